@@ -1,0 +1,45 @@
+# Two commands for a newcomer: `make fly` and `make test`. `make help` lists the rest.
+PYTHON ?= python3
+VENV   ?= .venv
+ARGS   ?=
+
+PINS       := $(wildcard requirements/*.txt)
+INTERFACES := ros2_ws/src/drone_interfaces ros2_ws/src/drone_assets \
+              ros2_ws/underlay/tf2_msgs ros2_ws/underlay/simulation_interfaces
+SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py')
+RUN        := $(VENV)/bin/python
+
+.DEFAULT_GOAL := help
+.PHONY: help fly build test check lock colcon clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+fly: build  ## fly the island; options: make fly ARGS="--help"
+	@$(RUN) ros2_ws/start.py $(ARGS)
+
+build: $(VENV)/built  ## the environment, the message packages and the assets
+
+test: build  ## style, types, architecture, unit and integration tests
+	@$(RUN) -m pytest
+
+check: build  ## style, types and architecture only
+	@$(RUN) -m pytest test/test_house.py
+
+lock: build  ## write requirements/lock.txt anew from this environment
+	@$(RUN) requirements/lock.py
+
+clean:  ## remove the environment and everything that was built
+	rm -rf $(VENV) ros2_ws/build ros2_ws/install ros2_ws/log
+
+$(VENV)/pins: $(PINS) requirements/system.sh
+	@sh requirements/system.sh $(PYTHON)
+	@$(PYTHON) -m venv $(VENV)
+	@echo "installing the pinned packages (about a minute) ..."
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
+	    --requirement requirements/ros.txt --requirement requirements/run.txt --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/built: $(VENV)/pins $(SOURCES) ros2_ws/build.sh
+	@bash ros2_ws/build.sh $(VENV) $(INTERFACES)
+	@touch $@

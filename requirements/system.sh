@@ -1,0 +1,36 @@
+#!/bin/sh
+# Checks for what pip cannot bring: system.sh PYTHON. Installs it where it may (root and apt), else says what to type.
+set -u
+python=$1
+missing=
+
+command -v "$python" > /dev/null 2>&1 || missing="$missing python3"
+command -v gcc > /dev/null 2>&1 || missing="$missing gcc"
+command -v g++ > /dev/null 2>&1 || missing="$missing g++"
+if command -v "$python" > /dev/null 2>&1; then
+  "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' || {
+    echo "make: $("$python" --version) found, but ROS 2 Jazzy needs Python 3.11, 3.12 or 3.13; name one with: make fly PYTHON=python3.12" >&2
+    exit 1
+  }
+  "$python" -c 'import ensurepip, venv' 2> /dev/null || missing="$missing python3-venv"
+  "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))' \
+    || missing="$missing python3-dev"
+fi
+has_library() { "$python" -c "import ctypes; ctypes.CDLL('$1')" 2> /dev/null; }
+if command -v "$python" > /dev/null 2>&1; then
+  has_library libEGL.so.1 || missing="$missing libegl1"
+  has_library libGL.so.1 || missing="$missing libgl1"
+fi
+# A GL driver: Mesa's software rasteriser, unless a vendor's is there already.
+[ -n "$(ls /usr/share/glvnd/egl_vendor.d /etc/glvnd/egl_vendor.d 2> /dev/null | grep json)" ] \
+  || missing="$missing libegl-mesa0 libgl1-mesa-dri"
+
+[ -z "$missing" ] && exit 0
+if [ "$(id -u)" = 0 ] && command -v apt-get > /dev/null 2>&1; then
+  echo "installing$missing ..."
+  { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $missing; } \
+    > /tmp/drone_sim_apt.log 2>&1 && exit 0
+  tail -n 5 /tmp/drone_sim_apt.log >&2
+fi
+echo "make: missing on this system; type: sudo apt-get install$missing" >&2
+exit 1

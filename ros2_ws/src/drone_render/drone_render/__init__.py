@@ -1,0 +1,1 @@
+"""The picture: draws the scene off-screen and publishes camera images."""

@@ -1,0 +1,1 @@
+"""The world: scenes, collisions, dynamics, effects, and the node around them."""

@@ -1,0 +1,1 @@
+"""A person's hands: keys in the terminal become commands."""

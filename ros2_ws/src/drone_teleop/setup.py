@@ -1,0 +1,23 @@
+from setuptools import find_packages, setup
+
+package = "drone_teleop"
+
+setup(
+    name=package,
+    version="0.1.0",
+    packages=find_packages(exclude=["test"]),
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    zip_safe=True,
+    maintainer="The drone simulator developers",
+    maintainer_email="drone-sim@example.org",
+    description="A person's hands: keys in the terminal become commands.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "teleop_node = drone_teleop.teleop_node:main",
+        ],
+    },
+)
