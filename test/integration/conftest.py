@@ -1,0 +1,61 @@
+"""Fixtures of the integration tests: a ROS domain of one's own, real node processes, and an ear in their graph.
+
+Each module of tests has its own domain and shares its processes and its Graph between its tests.
+"""
+
+import os
+import sys
+from collections.abc import Generator, Iterator
+from itertools import cycle
+from pathlib import Path
+
+import domain_coordinator  # type: ignore[import-untyped]
+import pytest
+
+os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+sys.path.insert(0, str(Path(__file__).parent))
+
+from live import Graph, NodeProcess, Spawn
+
+# Domains whose ports lie below those that Linux gives to outgoing connections.
+DOMAINS = range(40, 101)
+
+_RUNNING = pytest.StashKey[list[NodeProcess]]()
+
+
+@pytest.fixture(scope="module")
+def domain_id() -> Iterator[int]:
+    """A ROS domain that no other test uses at the same time, not even one of another pytest."""
+    with domain_coordinator.domain_id(cycle(DOMAINS).__next__) as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def spawn(domain_id: int, request: pytest.FixtureRequest) -> Iterator[Spawn]:
+    """Starts real nodes: `spawn("drone_sim.sim_node", scene="island")`; see live.Spawn."""
+    nodes = Spawn(domain_id)
+    request.config.stash[_RUNNING] = nodes.processes
+    yield nodes
+    for process in nodes.processes:
+        process.kill()
+    request.config.stash[_RUNNING] = []
+
+
+@pytest.fixture(scope="module")
+def graph(domain_id: int, spawn: Spawn) -> Iterator[Graph]:
+    """A node of the test itself in the domain of the processes; see live.Graph."""
+    with Graph(domain_id, spawn.processes) as graph:
+        yield graph
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A test that fails shows what the processes of its module have said."""
+    report = yield
+    if report.failed:
+        for process in item.config.stash.get(_RUNNING, []):
+            report.sections.append((f"{process.name}, {process.state()}", process.output()[-5000:]))
+    return report
