@@ -1,0 +1,169 @@
+"""Models: OBJ + MTL files as plain arrays, for the physics and for the picture alike."""
+
+import logging
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+log = logging.getLogger(__name__)
+
+Floats = npt.NDArray[np.float32]
+Colour = tuple[float, float, float]
+
+
+class MeshError(ValueError):
+    """What is wrong with a model, in one line: the file and what was expected."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a surface looks: the MTL's Kd, Ks, Ns, Ke, map_Kd and norm (or map_Bump). Colours from 0 to 1."""
+
+    name: str = ""
+    colour: Colour = (0.8, 0.8, 0.8)
+    specular: Colour = (0.0, 0.0, 0.0)
+    shininess: float = 32.0  # exponent of Blinn's highlight
+    emission: Colour = (0.0, 0.0, 0.0)
+    colour_map: Path | None = None
+    normal_map: Path | None = None  # tangent space, OpenGL's way: green points up
+
+
+@dataclass(frozen=True)
+class Part:
+    """The triangles of a model that share a material: vertices (n, 3) in m, unit normals (n, 3), uv (n, 2)
+    with v up, faces (m, 3) int32, counter-clockwise seen from outside."""
+
+    vertices: Floats
+    normals: Floats
+    uv: Floats
+    faces: npt.NDArray[np.int32]
+    material: Material
+
+
+@dataclass(frozen=True)
+class Model:
+    """A whole model: its parts, and the corners of the box around them, each (3,) float64."""
+
+    path: Path
+    parts: tuple[Part, ...]
+    low: npt.NDArray[np.float64]
+    high: npt.NDArray[np.float64]
+
+
+@cache
+def bounds(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Corners (low, high) of the axis-aligned box around a model's vertices, each (3,) float64, in m.
+
+    Reads nothing but the vertices. Raises MeshError.
+    """
+    rows = [line.split()[1:4] for line in _text(path).splitlines() if line.startswith("v ")]
+    try:
+        vertices = np.array(rows, dtype=np.float64)
+    except ValueError:
+        raise MeshError(f"{path}: a vertex is not three numbers") from None
+    _check_vertices(path, vertices)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low.flags.writeable = high.flags.writeable = False
+    return low, high
+
+
+def load(path: Path) -> Model:
+    """Reads a model with its materials.
+
+    Raises MeshError for what has no faces or no finite shape. A missing MTL or texture is a warning, and the
+    model comes without it.
+    """
+    import trimesh  # takes longer to import than all the rest, and the physics often needs `bounds` alone
+
+    text = _text(path)
+    materials = _materials(path, text)
+    try:
+        geometry = trimesh.load_scene(path, process=False).geometry.values()
+    except Exception as error:  # the loader has no exception of its own
+        raise MeshError(f"{path}: not readable as OBJ: {str(error).splitlines()[0]}") from None
+    parts = [_part(path, mesh, materials) for mesh in geometry if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    if not parts:
+        raise MeshError(f"{path}: has no faces")
+    low, high = bounds(path)
+    return Model(path, tuple(parts), low, high)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise MeshError(f"{path}: {error.strerror}") from None
+
+
+def _check_vertices(path: Path, vertices: npt.NDArray[np.float64]) -> None:
+    if vertices.ndim != 2 or vertices.shape[1:] != (3,):
+        raise MeshError(f"{path}: has no vertices of three numbers")
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: vertex {int(np.argmin(np.isfinite(vertices).all(axis=1))) + 1} is not finite")
+
+
+def _part(path: Path, mesh: "trimesh.Trimesh", materials: dict[str, Material]) -> Part:  # type: ignore[name-defined]  # noqa: F821
+    vertices = np.asarray(mesh.vertices, dtype=np.float64)
+    _check_vertices(path, vertices)
+    uv = getattr(mesh.visual, "uv", None)
+    if uv is None or len(uv) != len(vertices):
+        uv = np.zeros((len(vertices), 2))
+    name = getattr(getattr(mesh.visual, "material", None), "name", None) or ""
+    return Part(
+        np.ascontiguousarray(vertices, dtype=np.float32),
+        np.ascontiguousarray(mesh.vertex_normals, dtype=np.float32),
+        np.ascontiguousarray(uv, dtype=np.float32),
+        np.ascontiguousarray(mesh.faces, dtype=np.int32),
+        materials.get(name, Material(name)),
+    )
+
+
+def _materials(path: Path, text: str) -> dict[str, Material]:
+    """All materials that an OBJ names. trimesh knows neither normal maps nor missing files, so they are read here."""
+    found: dict[str, Material] = {}
+    for line in text.splitlines():
+        if line.startswith("mtllib "):
+            library = path.parent / line.split(maxsplit=1)[1].strip()
+            try:
+                found |= _library(library)
+            except OSError as error:
+                log.warning("%s: %s: %s; drawn without its materials", path, library.name, error.strerror)
+    return found
+
+
+def _library(path: Path) -> dict[str, Material]:
+    found: dict[str, Material] = {}
+    name = ""
+    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+        key, *values = line.split("#")[0].split() or [""]
+        try:
+            if key == "newmtl":
+                name = " ".join(values)
+                found[name] = Material(name)
+            elif key and name:
+                found[name] = _with(found[name], key, values, path.parent)
+        except (ValueError, IndexError):
+            log.warning("%s: line %d: '%s' is not as MTL has it; left out", path, number, line.strip())
+        except FileNotFoundError as error:
+            log.warning("%s: line %d: no texture '%s'; drawn without", path, number, error)
+    return found
+
+
+def _with(material: Material, key: str, values: list[str], folder: Path) -> Material:
+    """The material with one more line of its MTL."""
+    colours = {"Kd": "colour", "Ks": "specular", "Ke": "emission"}
+    maps = {"map_Kd": "colour_map", "norm": "normal_map", "map_Bump": "normal_map", "map_bump": "normal_map"}
+    if key in colours:
+        red, green, blue = (float(value) for value in values)
+        return replace(material, **{colours[key]: (red, green, blue)})  # type: ignore[arg-type]
+    if key == "Ns":
+        return replace(material, shininess=float(values[0]))
+    if key in maps:
+        texture = (folder / values[-1]).resolve()
+        if not texture.is_file():
+            raise FileNotFoundError(values[-1])
+        return replace(material, **{maps[key]: texture})  # type: ignore[arg-type]
+    return material
