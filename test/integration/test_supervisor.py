@@ -1,0 +1,158 @@
+"""What start.py's supervisor does with programs that end, die, hang and talk; the programs are one-liners."""
+
+import os
+import pty
+import re
+import signal
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from live import DEADLINE, NodeProcess
+
+SUPERVISOR = """
+import sys, pathlib
+from supervisor import Program, Supervisor
+log_dir, alone_for, *programs = sys.argv[1:]
+def program(text):
+    name, kind, code = text.split("|")
+    return Program(name, [sys.executable, "-uc", code], terminal=kind == "terminal", leads=kind == "leads")
+supervisor = Supervisor([program(text) for text in programs], pathlib.Path(log_dir))
+supervisor.run(float(alone_for))
+print("died:", supervisor.died)
+"""
+WAITS = """
+import signal, time
+print('[INFO] [1.5] [x]: up')
+try: time.sleep(100)
+except KeyboardInterrupt: print('[INFO] [2.5] [x]: closing')
+"""
+DEAF = "import signal, time; signal.signal(2, signal.SIG_IGN); print('[INFO] [1.0] [x]: up'); time.sleep(100)"
+
+WORKSPACE = Path(__file__).parents[2] / "ros2_ws"
+Supervise = Callable[..., NodeProcess]
+
+
+@pytest.fixture
+def supervise(tmp_path: Path, request: pytest.FixtureRequest) -> Supervise:
+    """Starts a supervisor of the programs 'name|kind|code'."""
+
+    def start(*programs: str, alone_for: float = 0.0) -> NodeProcess:
+        command = [sys.executable, "-uc", SUPERVISOR, str(tmp_path), str(alone_for), *programs]
+        process = NodeProcess("supervisor", command, os.environ | {"PYTHONPATH": str(WORKSPACE)})
+        request.addfinalizer(process.kill)
+        return process
+
+    return start
+
+
+def wait_for_output(process: NodeProcess, text: str) -> None:
+    deadline = time.monotonic() + DEADLINE
+    while text not in process.output():
+        assert time.monotonic() < deadline, f"'{text}' has not been said:\n{process.output()}"
+        time.sleep(0.02)
+
+
+def test_leader_that_is_done_ends_the_others(supervise: Supervise, tmp_path: Path) -> None:
+    process = supervise("sim|leads|import time; time.sleep(0.5)", f"other||{WAITS}")
+    assert process.wait() == 0
+    assert "died: []" in process.output()
+    assert "other | closing" in process.output()
+    assert "[INFO] [1.5] [x]: up\n" in (tmp_path / "other.log").read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_all_once(supervise: Supervise, number: signal.Signals) -> None:
+    process = supervise(f"sim|leads|{WAITS}", f"other||{WAITS}")
+    wait_for_output(process, "other | up")
+    wait_for_output(process, "sim   | up")
+    process.send(number)
+    assert process.wait() == 0
+    assert process.output().count("closing") == 2
+    assert "died: []" in process.output()
+
+
+def test_death_is_named_with_its_last_lines_and_the_others_go_on(supervise: Supervise) -> None:
+    process = supervise(f"sim|leads|{WAITS}", "other||print('first'); 1 / 0", "third||import os; os.kill(os.getpid(), 9)")
+    wait_for_output(process, "other died with exit status 1; its last lines:")
+    wait_for_output(process, "third was ended by SIGKILL; it had said nothing")
+    wait_for_output(process, "sim   | up")
+    last = r"other \|   first\nother \|   Traceback.*\nother \|   ZeroDivisionError"
+    assert re.search(last, process.output(), re.DOTALL)
+    process.send(signal.SIGINT)
+    assert process.wait() == 0
+    assert "sim   | closing" in process.output()
+    assert "died: ['other', 'third']" in process.output()
+
+
+def test_without_its_leader_a_run_ends_when_the_time_is_over(supervise: Supervise) -> None:
+    process = supervise("sim|leads|raise SystemExit(3)", f"other||{WAITS}", alone_for=1.0)
+    wait_for_output(process, "sim died with exit status 3")
+    assert process.wait() == 0
+    assert "other | closing" in process.output()
+    assert "died: ['sim']" in process.output()
+
+
+def test_what_does_not_end_is_killed(supervise: Supervise) -> None:
+    process = supervise(f"sim|leads|{WAITS}", f"deaf||{DEAF}")
+    wait_for_output(process, "deaf | up")
+    process.send(signal.SIGINT)
+    assert process.wait() == 0
+    assert "deaf did not end within" in process.output()
+    assert "died: ['deaf']" in process.output()
+
+
+def test_people_see_news_and_warnings_but_not_the_rest(supervise: Supervise, tmp_path: Path) -> None:
+    talk = (
+        "print('noise'); print('[DEBUG] [1.0] [n]: detail'); print('[INFO] [1.0] [n]: news');"
+        "print('[WARN] [1.0] [n]: careful\\nsecond line'); print('[INFO] [1.0] [n]: more\\nafter', end='')"
+    )
+    process = supervise(f"sim|leads|{talk}")
+    assert process.wait() == 0
+    assert process.output() == "sim | news\nsim | WARN: careful\nsim | second line\nsim | more\ndied: []\n"
+    assert (tmp_path / "sim.log").read_text().split("\n")[0] == "noise"
+
+
+def test_programs_end_although_the_supervisor_is_killed(supervise: Supervise, tmp_path: Path) -> None:
+    process = supervise(f"sim|leads|{WAITS}")
+    wait_for_output(process, "sim | up")
+    process.send(signal.SIGKILL)
+    process.wait()
+    deadline = time.monotonic() + DEADLINE
+    # The pipe has no reader any more: the program's last words do not arrive, but it hears of the end.
+    while [pid for pid in os.listdir("/proc") if pid.isdigit() and _runs(pid, WAITS)]:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_ctrl_c_in_a_terminal_reaches_every_program_once(tmp_path: Path) -> None:
+    programs = [f"sim|leads|{WAITS}", f"hands|terminal|{WAITS}"]
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.environ["PYTHONPATH"] = str(WORKSPACE)
+        os.execv(sys.executable, [sys.executable, "-uc", SUPERVISOR, str(tmp_path), "0", *programs])
+    output = b""
+    while b"[x]: up" not in output or b"sim   | up" not in output:  # the terminal's own program is not reworded
+        output += os.read(terminal, 1 << 12)
+    os.write(terminal, b"\x03")
+    while data := _read_terminal(terminal):
+        output += data
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    assert output.count(b"sim   | closing") == 1
+    assert b"died: []" in output
+
+
+def _read_terminal(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 1 << 12)
+    except OSError:  # nobody has it open any more
+        return b""
+
+
+def _runs(pid: str, code: str) -> bool:
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().endswith(f"-uc\0{code}\0".encode())
+    except OSError:
+        return False
