@@ -1,0 +1,117 @@
+"""Keys from a terminal: its mode while keys are read, and the bytes that they send."""
+
+import codecs
+import os
+import re
+import select
+import signal
+import termios
+import time
+from types import TracebackType
+from typing import Self
+
+ESCAPE = 0x1B
+ESCAPE_TIMEOUT = 0.05  # s of silence after which a lone escape byte was the key of that name
+
+# xterm, rxvt and the Linux console each have their own.
+FUNCTION_KEYS = {
+    b"\x1bOQ": "F2",
+    b"\x1b[12~": "F2",
+    b"\x1b[[B": "F2",
+    b"\x1bOS": "F4",
+    b"\x1b[14~": "F4",
+    b"\x1b[[D": "F4",
+}
+NAMED = {"\t": "Tab", " ": "Space", "\x1b": "Esc"}
+
+# ECMA-48 control sequences, single shift three, the Linux console's function keys, and Alt with a key.
+_WHOLE = re.compile(rb"\x1b(?:\[\[[A-E]|\[[0-?]{0,16}[ -/]{0,4}[@-Z\\-~]|O[0-9;]{0,16}[@-~]|[ -NP-Z\\-~])")
+_BEGUN = re.compile(rb"\x1b(?:\[\[|\[[0-?]{0,16}[ -/]{0,4}|O[0-9;]{0,16})?\Z")
+
+
+class Decoder:
+    """Bytes of a terminal into names of keys, however the bytes are split over reads.
+
+    A printable key is called by its character, others 'Tab', 'Space', 'Esc', 'F2', 'F4'. An escape sequence
+    without a name stands for itself. Bytes that are not UTF-8 are ignored.
+    """
+
+    def __init__(self) -> None:
+        self._bytes = b""
+        self._utf8 = codecs.getincrementaldecoder("utf-8")("ignore")
+
+    @property
+    def pending(self) -> bool:
+        """Whether an escape sequence has begun and not ended."""
+        return bool(self._bytes)
+
+    def feed(self, data: bytes) -> list[str]:
+        """The keys that are complete with these bytes."""
+        self._bytes += data
+        keys = []
+        while self._bytes and not _BEGUN.match(self._bytes):
+            keys += self._take()
+        return keys
+
+    def flush(self) -> list[str]:
+        """The keys that are complete because nothing followed: a lone escape, or a sequence that was cut off."""
+        begun, self._bytes = self._bytes.decode("latin-1"), b""
+        return [NAMED.get(begun, begun)] if begun else []
+
+    def _take(self) -> list[str]:
+        whole = _WHOLE.match(self._bytes)
+        end = whole.end() if whole else 1
+        head, self._bytes = self._bytes[:end], self._bytes[end:]
+        if whole:
+            return [FUNCTION_KEYS.get(head, head.decode("latin-1"))]
+        return [NAMED.get(character, character) for character in self._utf8.decode(head)]
+
+
+class Keyboard:
+    """The keys of a terminal, one by one and without echo, from `with` to its end; then as it was before.
+
+    Ctrl-C still interrupts. Ctrl-Z, Ctrl-S and Ctrl-Q are keys like others: nobody stops a pilot in the air.
+    """
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._decoder = Decoder()
+        self._heard = 0.0
+
+    def __enter__(self) -> Self:
+        self._before = termios.tcgetattr(self._descriptor)
+        mode = termios.tcgetattr(self._descriptor)
+        mode[0] &= ~termios.IXON
+        mode[3] = (mode[3] & ~(termios.ECHO | termios.ICANON)) | termios.ISIG
+        mode[6][termios.VMIN], mode[6][termios.VTIME] = 1, 0
+        mode[6][termios.VSUSP] = b"\0"
+        termios.tcsetattr(self._descriptor, termios.TCSANOW, mode)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        stops = signal.signal(signal.SIGTTOU, signal.SIG_IGN)  # in the background, setting the mode would stop us
+        try:
+            termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
+            termios.tcflush(self._descriptor, termios.TCIFLUSH)  # repeats of a held key are not for the shell
+        except termios.error:  # the terminal is gone, and its mode with it
+            pass
+        finally:
+            signal.signal(signal.SIGTTOU, stops)
+
+    def read(self) -> list[str]:
+        """The keys since the last call, without waiting. Raises EOFError when the terminal is gone."""
+        now = time.monotonic()
+        if select.select([self._descriptor], [], [], 0.0)[0]:
+            try:
+                data = os.read(self._descriptor, 4096)
+            except OSError:
+                data = b""
+            if not data:
+                raise EOFError("the terminal is gone")
+            self._heard = now
+            return self._decoder.feed(data)
+        if self._decoder.pending and now - self._heard > ESCAPE_TIMEOUT:
+            return self._decoder.flush()
+        return []
