@@ -1,0 +1,31 @@
+"""Where scenes, models and textures lie: the share folder of the package drone_assets."""
+
+import sys
+from functools import cache
+from pathlib import Path
+
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+
+@cache
+def asset_root() -> Path:
+    """The installed assets: the ament index's, or those of the environment that this Python belongs to."""
+    try:
+        return Path(get_package_share_directory("drone_assets"))
+    except (OSError, PackageNotFoundError):  # no index at all, or none that knows the package
+        return Path(sys.prefix) / "share" / "drone_assets"
+
+
+def asset_path(kind: str, name: str, error: type[ValueError] = ValueError, beside: Path | None = None) -> Path:
+    """The file `name` of a kind: scenes, models or textures; from the folder `beside` if it has it, else the assets.
+
+    Raises `error`, ValueError if not given, for what is not there and for paths that lead out of the folder.
+    """
+    if Path(name).is_absolute() or ".." in Path(name).parts:
+        raise error(f"'{name}' leads out of the {kind}")
+    folders = [root / kind for root in (beside, asset_root()) if root]
+    for folder in folders:
+        if (folder / name).is_file():
+            return folder / name
+    known = sorted({path.stem for folder in folders for path in folder.glob(f"*{Path(name).suffix}")})
+    raise error(f"no {kind[:-1]} '{Path(name).stem}'; there are {', '.join(known) or 'none'}")

@@ -1,0 +1,1 @@
+"""Who touches whom, where, and how deep."""

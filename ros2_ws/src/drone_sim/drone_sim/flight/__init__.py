@@ -1,0 +1,1 @@
+"""How drones turn commands into forces."""

@@ -1,0 +1,135 @@
+"""The flight model 'direct': a force towards the commanded velocity, and a torque that leans into it.
+
+Cheap and forgiving, like a game's. It carries the drone's weight, limits acceleration to what the scene allows,
+and is a force like any other: what stands in the way wins. After SILENCE without a command the drone stops and
+holds its position; at rest on a support without a command it lands, and its rotors stop until the next command.
+"""
+
+import math
+
+import numpy as np
+
+from drone_sim.arrays import Floats
+from drone_sim.collision.contacts import Detection
+from drone_sim.kernel import kernel
+from drone_sim.model import Model
+from drone_sim.rotation import matrix, rotate
+from drone_sim.stage import Stage
+from drone_sim.state import State
+
+SILENCE = 0.5  # s of simulated time after which a command is over
+RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
+STILL = 0.1  # m/s under which a drone counts as at rest
+HOLD_SPEED = 1.0  # m/s at most, back to the position that is held
+LEAN = 0.5  # of the tilt that a quadrotor would need for the same acceleration
+ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
+
+
+@kernel
+def steer(position, orientation, velocity, angular, body, mass, inertia, max_speed, max_acceleration, max_yaw_rate,
+          command, silence, hold, landed, weight, dt, force, torque):
+    """Adds the forces (N) and torques (N m) of d drones, world frame. `weight` is the gravity to carry, m/s^2."""
+    for d in range(body.shape[0]):
+        i = body[d]
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
+        silent = silence[d] * dt >= SILENCE
+        cx, cy, cz, yaw_rate = command[d, 0], command[d, 1], command[d, 2], command[d, 3]
+        if silent:
+            cx = cy = cz = yaw_rate = 0.0
+        else:
+            hold[d, 0] = np.nan
+        if cx != 0.0 or cy != 0.0 or cz > 0.0 or yaw_rate != 0.0:
+            landed[d] = 0
+        if landed[d]:
+            continue
+
+        # The wanted velocity: commands turn with the drone's heading, not with its tilt.
+        q = orientation[i]
+        yaw = math.atan2(2.0 * (q[3] * q[2] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
+        wx, wy, wz = cx * math.cos(yaw) - cy * math.sin(yaw), cx * math.sin(yaw) + cy * math.cos(yaw), cz
+        limit = max_speed[d]
+        if silent:
+            if math.isnan(hold[d, 0]) and speed < STILL:
+                for k in range(3):
+                    hold[d, k] = position[i, k]
+            if not math.isnan(hold[d, 0]):
+                wx, wy, wz = hold[d, 0] - position[i, 0], hold[d, 1] - position[i, 1], hold[d, 2] - position[i, 2]
+                limit = min(limit, HOLD_SPEED)
+        wx, wy, wz = _limited(wx, wy, wz, limit)
+        yaw_rate = min(max(yaw_rate, -max_yaw_rate[d]), max_yaw_rate[d])
+
+        response = max(RESPONSE, dt)
+        ax, ay, az = _limited((wx - velocity[i, 0]) / response, (wy - velocity[i, 1]) / response,
+                              (wz - velocity[i, 2]) / response, max_acceleration[d])
+        force[i, 0] += mass[i] * ax
+        force[i, 1] += mass[i] * ay
+        force[i, 2] += mass[i] * (az + weight)
+
+        # Attitude: body z towards the lean, damped; the gains are what the step length can follow.
+        frequency = min(ATTITUDE_FREQUENCY, 0.3 / dt)
+        ux, uy, uz = LEAN * ax, LEAN * ay, 9.81
+        scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz)
+        m = matrix(q[0], q[1], q[2], q[3])
+        ex = (m[5] * uz - m[8] * uy) * scale
+        ey = (m[8] * ux - m[2] * uz) * scale
+        # body rates, and the error of the z axis (a cross product) in the body frame
+        bx = m[0] * angular[i, 0] + m[3] * angular[i, 1] + m[6] * angular[i, 2]
+        by = m[1] * angular[i, 0] + m[4] * angular[i, 1] + m[7] * angular[i, 2]
+        bz = m[2] * angular[i, 0] + m[5] * angular[i, 1] + m[8] * angular[i, 2]
+        ez = (m[2] * uy - m[5] * ux) * scale
+        px, py = m[0] * ex + m[3] * ey + m[6] * ez, m[1] * ex + m[4] * ey + m[7] * ez
+        tx = inertia[i, 0] * (frequency * frequency * px - 2.0 * frequency * bx)
+        ty = inertia[i, 1] * (frequency * frequency * py - 2.0 * frequency * by)
+        tz = inertia[i, 2] * frequency * (yaw_rate - bz)
+        t = rotate(q[0], q[1], q[2], q[3], tx, ty, tz)
+        for k in range(3):
+            torque[i, k] += t[k]
+
+
+@kernel
+def _limited(x, y, z, limit):
+    """The vector, no longer than the limit."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if length <= limit:
+        return x, y, z
+    return x * limit / length, y * limit / length, z * limit / length
+
+
+@kernel
+def land(velocity, body, command, silence, dt, count, pair, normal, total, landed):
+    """Marks drones as landed that rest on something and are not told to leave it."""
+    for d in range(body.shape[0]):
+        i = body[d]
+        silent = silence[d] * dt >= SILENCE
+        staying = silent or (command[d, 0] == 0.0 and command[d, 1] == 0.0 and command[d, 2] <= 0.0
+                             and command[d, 3] == 0.0)
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
+        if not staying or speed > STILL:
+            continue
+        for c in range(count):
+            up = normal[c, 2] if pair[c, 1] == i else -normal[c, 2]
+            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c] > 0.0:
+                landed[d] = 1
+
+
+def build_steering(model: Model, state: State, force_w: Floats, torque_w: Floats, weight: float, dt: float) -> Stage:
+    """Before the contacts: what the rotors do."""
+    b, drones, s = model.bodies, model.drones, state
+
+    def fly() -> None:
+        steer(s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
+              drones.max_speed, drones.max_acceleration, drones.max_yaw_rate, s.command_b, s.silence, s.hold_w,
+              s.landed, weight, dt, force_w, torque_w)
+
+    return fly
+
+
+def build_landing(model: Model, state: State, detection: Detection, dt: float) -> Stage:
+    """After the contacts: who has come to rest."""
+
+    def settle() -> None:
+        m = detection.manifolds
+        land(state.velocity_w, model.drones.body, state.command_b, state.silence, dt, m.count, m.pair, m.normal_w,
+             m.total, state.landed)
+
+    return settle

@@ -1,0 +1,47 @@
+"""The one way to compile a function: `@kernel`.
+
+Kernels are cached on disk, in a folder named after the text of all files that have one: numba's own cache does not
+notice an edit in a file that a kernel calls into, and a stale kernel would be a wrong simulation.
+"""
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_package = Path(__file__).parent
+
+
+def _cache_folder() -> Path:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_package.rglob("*.py")):
+        text = path.read_bytes()
+        if b"@kernel" in text:
+            digest.update(text)
+    return _package / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
+
+
+_folder = _cache_folder()
+try:
+    for old in _folder.parent.glob("kernels-*"):
+        if old != _folder:
+            shutil.rmtree(old, ignore_errors=True)
+    _folder.mkdir(parents=True, exist_ok=True)
+    numba.config.CACHE_DIR = str(_folder)
+except OSError:  # an installation that may not be written to: numba then caches in the user's folder
+    pass
+
+
+def compiled_before() -> bool:
+    """Whether there are kernels on disk, so that a start need not compile them."""
+    return any(_folder.rglob("*.nbc"))
+
+
+def kernel(function: F) -> F:
+    """Compiles a function of numbers, tuples and arrays when it is first called. No fast-math: runs repeat bitwise."""
+    return numba.njit(cache=True, error_model="numpy")(function)  # type: ignore[no-any-return]
