@@ -4,9 +4,13 @@ import logging
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    import trimesh
 
 log = logging.getLogger(__name__)
 
@@ -84,7 +88,9 @@ def load(path: Path) -> Model:
         geometry = trimesh.load_scene(path, process=False).geometry.values()
     except Exception as error:  # the loader has no exception of its own
         raise MeshError(f"{path}: not readable as OBJ: {str(error).splitlines()[0]}") from None
-    parts = [_part(path, mesh, materials) for mesh in geometry if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    has_normals = "\nvn " in text
+    meshes = [mesh for mesh in geometry if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    parts = [_part(path, mesh, has_normals, materials) for mesh in meshes]
     if not parts:
         raise MeshError(f"{path}: has no faces")
     low, high = bounds(path)
@@ -105,20 +111,31 @@ def _check_vertices(path: Path, vertices: npt.NDArray[np.float64]) -> None:
         raise MeshError(f"{path}: vertex {int(np.argmin(np.isfinite(vertices).all(axis=1))) + 1} is not finite")
 
 
-def _part(path: Path, mesh: "trimesh.Trimesh", materials: dict[str, Material]) -> Part:  # type: ignore[name-defined]  # noqa: F821
+def _part(path: Path, mesh: "trimesh.Trimesh", has_normals: bool, materials: dict[str, Material]) -> Part:
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     _check_vertices(path, vertices)
     uv = getattr(mesh.visual, "uv", None)
     if uv is None or len(uv) != len(vertices):
         uv = np.zeros((len(vertices), 2))
     name = getattr(getattr(mesh.visual, "material", None), "name", None) or ""
+    normals = mesh.vertex_normals if has_normals else _smooth_normals(vertices, np.asarray(mesh.faces))
     return Part(
         np.ascontiguousarray(vertices, dtype=np.float32),
-        np.ascontiguousarray(mesh.vertex_normals, dtype=np.float32),
+        np.ascontiguousarray(normals, dtype=np.float32),
         np.ascontiguousarray(uv, dtype=np.float32),
         np.ascontiguousarray(mesh.faces, dtype=np.int32),
         materials.get(name, Material(name)),
     )
+
+
+def _smooth_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.integer]) -> npt.NDArray[np.float64]:
+    """Unit normals of the vertices, each the mean of its faces' by their areas. trimesh would ask for SciPy here."""
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
+    sums = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(sums, faces[:, corner], np.cross(second - first, third - first))
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    return np.where(length > 0, sums / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
 
 
 def _materials(path: Path, text: str) -> dict[str, Material]:

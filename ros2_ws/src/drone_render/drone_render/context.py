@@ -1,0 +1,105 @@
+"""Where OpenGL comes from: an off-screen context through EGL, and what is shared on its device."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from drone_render.geometry import pixels
+from drone_render.shaders import Variant
+
+HINT = "apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"
+
+
+class ContextError(RuntimeError):
+    """There is no OpenGL to draw with; one line, with what to type."""
+
+
+def create() -> moderngl.Context:
+    """A context without a window. Raises ContextError."""
+    try:
+        return moderngl.create_context(require=330, standalone=True, backend="egl")  # type: ignore[arg-type]
+    except Exception as error:  # glcontext and moderngl raise plain Exception
+        reason = (str(error).splitlines() or ["no reason given"])[0]
+        raise ContextError(f"no OpenGL through EGL ({reason}); type: sudo {HINT}") from None
+
+
+def device_name(context: moderngl.Context) -> str:
+    """What draws, as the driver calls itself: 'llvmpipe (LLVM 15.0.6, 256 bits)'."""
+    return str(context.info["GL_RENDERER"])
+
+
+def packed(numbers: npt.ArrayLike) -> bytes:
+    """Numbers as a uniform or a buffer takes them."""
+    return np.asarray(numbers, dtype=np.float32).tobytes()
+
+
+class Device:
+    """Programs, textures and buffers of a scene: each is made once and shared, `release` gives all back."""
+
+    def __init__(self, context: moderngl.Context) -> None:
+        self.context = context
+        self.programs: dict[Variant, moderngl.Program] = {}
+        self._textures: dict[Path, moderngl.Texture] = {}
+        self._releases: list[Callable[[], object]] = []
+
+    def program(self, variant: Variant) -> moderngl.Program:
+        """The program of a variant."""
+        if variant not in self.programs:
+            vertex, fragment = variant.sources()
+            program = self.context.program(vertex_shader=vertex, fragment_shader=fragment)
+            self._releases.append(program.release)
+            self.programs[variant] = program
+        return self.programs[variant]
+
+    def texture(self, path: Path) -> moderngl.Texture:
+        """An image file as a repeating texture with mip maps."""
+        if path not in self._textures:
+            size, data = pixels(path)
+            texture = self.context.texture(size, 4, data)
+            texture.build_mipmaps()
+            # Between texels, not between mip maps: half of the price on a software rasteriser, and hardly seen.
+            texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+            self._releases.append(texture.release)
+            self._textures[path] = texture
+        return self._textures[path]
+
+    def buffer(self, array: npt.NDArray[np.generic]) -> moderngl.Buffer:
+        """A vertex or index buffer with the array's bytes."""
+        buffer = self.context.buffer(array.tobytes())
+        self._releases.append(buffer.release)
+        return buffer
+
+    def vertex_array(
+        self, program: moderngl.Program, attributes: Iterable[tuple[moderngl.Buffer, str, str]] = (),
+        index: moderngl.Buffer | None = None,
+    ) -> moderngl.VertexArray:  # fmt: skip
+        """What a program draws; attributes, as (buffer, format, name), that it does not have are left out."""
+        used = [attribute for attribute in attributes if program.get(attribute[2], None) is not None]
+        array = self.context.vertex_array(program, used, index_buffer=index, index_element_size=4)
+        self._releases.append(array.release)
+        return array
+
+    def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        """Colour and depth of a picture."""
+        colour, depth = self.context.renderbuffer(size), self.context.depth_renderbuffer(size)
+        target = self.context.framebuffer([colour], depth)
+        self._releases += [colour.release, depth.release, target.release]
+        return target
+
+    def release(self) -> None:
+        """Gives back everything, the youngest first."""
+        while self._releases:
+            self._releases.pop()()
+        self.programs.clear()
+        self._textures.clear()
+
+
+def write(program: moderngl.Program, **uniforms: npt.ArrayLike) -> None:
+    """Sets the uniforms that the program has. What a variant does not use is not in it."""
+    for name, value in uniforms.items():
+        uniform = program.get(name, None)
+        if isinstance(uniform, moderngl.Uniform):
+            uniform.write(packed(value))

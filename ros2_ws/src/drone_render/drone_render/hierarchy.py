@@ -1,0 +1,108 @@
+"""What hangs on what: the poses of a scene's objects in the world, and which lights shine on which."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from drone_sim.scene import Scene
+
+from drone_render.view import Array, camera_matrix, matrices, pose
+
+LIGHTS = 4  # that an object is lit by, at most
+DARK = 1 / 64  # of a light's brightness; where less than that is left, it has ended
+
+
+class Hierarchy:
+    """The tree of a scene's objects, in the scene's order."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.names = tuple(scene.objects)
+        self.start = np.array([pose(thing.pose) for thing in scene.objects.values()]).reshape(-1, 7)
+        row = {name: i for i, name in enumerate(self.names)}
+        levels: dict[int, list[int]] = {}
+        for name in self.names:
+            levels.setdefault(len(list(self.ancestors(name))), []).append(row[name])
+        # Parents come before their children, and all of one depth are turned at once.
+        self._levels = [
+            (np.array(rows), np.array([row[scene.objects[self.names[i]].parent or ""] for i in rows]))
+            for depth, rows in sorted(levels.items())
+            if depth
+        ]
+        self._row = row
+
+    def ancestors(self, name: str) -> Iterator[str]:
+        """The parent, its parent, and so on."""
+        parent = self.scene.objects[name].parent
+        while parent is not None:
+            yield parent
+            parent = self.scene.objects[parent].parent
+
+    def world(self, poses: Array) -> Array:
+        """Matrices (n, 4, 4) in the world of poses (n, 7), each in its parent's frame."""
+        result = matrices(poses)
+        for rows, parents in self._levels:
+            result[rows] = result[parents] @ result[rows]
+        return result
+
+    def place(self, world: Array, name: str | None) -> Array:
+        """Matrix (4, 4) of an object by its name; the world's own for None."""
+        return np.eye(4) if name is None else world[self._row[name]]
+
+    def camera(self, name: str, world: Array, time: float) -> Array:
+        """Matrix (4, 4) of a camera at `time` in s."""
+        camera = self.scene.cameras[name]
+        target = None if camera.look_at is None else self.place(world, camera.look_at)[:3, 3]
+        return camera_matrix(camera, self.place(world, camera.parent), target, time)
+
+
+class Lighting:
+    """Chooses, for each object, the lights that it is lit by."""
+
+    def __init__(self, hierarchy: Hierarchy) -> None:
+        lights = list(hierarchy.scene.lights.values())
+        self._hierarchy = hierarchy
+        self._parents = [light.parent for light in lights]
+        self._offsets = np.array([pose(light.pose)[:3] for light in lights]).reshape(-1, 3)
+        self.colours = np.array([light.colour for light in lights]).reshape(-1, 3)
+        self.colours *= np.array([light.intensity for light in lights]).reshape(-1, 1)
+        self.falloff = np.array([0.0 if light.reach is None else light.reach**-2 for light in lights])
+        # What ends at DARK is stretched so that it starts at 1.
+        self.colours *= np.where(self.falloff > 0, 1 / (1 - DARK), 1.0)[:, None]
+        self._cut = np.where(self.falloff > 0, DARK, 0.0)
+        self.lit = np.array(
+            [
+                [light.parent not in {name, *hierarchy.ancestors(name)} for light in lights]
+                for name in hierarchy.names
+            ],
+            dtype=np.bool_,
+        ).reshape(len(hierarchy.names), len(lights))
+        """(objects, lights): False for the lights of an object itself and of whatever it hangs on."""
+
+    @property
+    def cut(self) -> Array:
+        """What is taken off each light's brightness, (lights,), so that it ends at a finite distance."""
+        return self._cut
+
+    def positions(self, world: Array) -> Array:
+        """Of all lights in the world, (lights, 3)."""
+        places = [self._hierarchy.place(world, parent) for parent in self._parents]
+        return np.array(
+            [place[:3, :3] @ offset + place[:3, 3] for place, offset in zip(places, self._offsets, strict=True)]
+        ).reshape(-1, 3)
+
+    def strongest(self, positions: Array, centres: Array, radii: Array) -> Sequence[npt.NDArray[np.intp]]:
+        """For each object, a sphere (centres (n, 3), radii (n,)), at most LIGHTS lights, the brightest first."""
+        away = np.linalg.norm(centres[:, None] - positions[None], axis=2) - radii[:, None]
+        left = 1 / (1 + np.square(np.maximum(away, 0.0)) * self.falloff) - self._cut
+        strength = np.where(self.lit, left * self.colours.max(axis=1, initial=0.0), 0.0)
+        order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]
+        counts = (strength > 0).sum(axis=1)
+        return [lights[:count] for lights, count in zip(order, counts, strict=True)]
+
+    def sun(self) -> int | None:
+        """The brightest of the lights that distance does not weaken, or None."""
+        endless = np.flatnonzero(self.falloff == 0)
+        if not len(endless):
+            return None
+        return int(endless[np.argmax(self.colours[endless].max(axis=1))])

@@ -1,0 +1,147 @@
+"""Draws the cameras of one scene."""
+
+import math
+from collections.abc import Iterable
+
+import moderngl
+import numpy as np
+from drone_sim import mesh
+from drone_sim.scene import Scene
+
+from drone_render import view
+from drone_render.context import Device, packed
+from drone_render.geometry import sphere
+from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
+from drone_render.image import Picture
+from drone_render.passes import Frame, Lights, SkyPass, SolidPass, Sun, WaterPass
+from drone_render.view import Array
+
+
+class Renderer:
+    """A scene on the graphics device. Use it as a context manager, or call `release`.
+
+    Raises SceneError, MeshError or ValueError for models and textures that are not as they should be.
+    """
+
+    def __init__(self, scene: Scene, context: moderngl.Context) -> None:
+        self.scene = scene
+        self.hierarchy = Hierarchy(scene)
+        self._context = context
+        self._device = Device(context)
+        self._lighting = Lighting(self.hierarchy)
+        self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
+        try:
+            self._load()
+            self._warm_up()
+        except BaseException:
+            self.release()
+            raise
+
+    def __enter__(self) -> "Renderer":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """Gives everything back to the device; the context stays."""
+        self._device.release()
+
+    @property
+    def programs(self) -> Iterable[str]:
+        """The fragment shaders in use, as they were compiled."""
+        return [variant.sources()[1] for variant in self._device.programs]
+
+    def _load(self) -> None:
+        scene, render = self.scene, self.scene.render
+        loaded = {path: mesh.load(path) for path in {scene.model_path(name) for name in self.hierarchy.names}}
+        self._models = [loaded[scene.model_path(name)] for name in self.hierarchy.names]
+        spheres = {path: sphere(model) for path, model in loaded.items()}
+        self._centres = np.array([spheres[model.path][0] for model in self._models]).reshape(-1, 3)
+        self._radii = np.array([spheres[model.path][1] for model in self._models])
+        self._is_water = np.array(
+            [thing.shading == "water" and render.water is not None for thing in scene.objects.values()], dtype=bool
+        )
+        self._solid = SolidPass(self._device, render, self._models)
+        self._sun = self._lighting.sun()
+        has_sun = self._sun is not None
+        self._water = None if render.water is None else WaterPass(self._device, render, render.water, has_sun)
+        self._sky = None if render.sky is None else SkyPass(self._device, render.sky, has_sun)
+        self._background = render.ambient if render.sky is None else render.sky.horizon
+        for camera in scene.cameras.values():
+            if camera.size not in self._targets:
+                self._targets[camera.size] = self._device.target(camera.size)
+
+    def _warm_up(self) -> None:
+        """Draws with every program that can occur: the driver compiles each at its first use, which takes a while."""
+        camera = next(iter(self.scene.cameras.values()), None)
+        if camera is None:
+            return
+        self._begin(camera.size)
+        lights = self._lights(self.hierarchy.world(self.hierarchy.start))
+        seen = set()
+        for row, surfaces in enumerate(self._solid.surfaces):
+            for surface in surfaces:
+                for count in range(min(int(self._lighting.lit[row].sum()), LIGHTS) + 1):
+                    if not self._is_water[row] and surface.variant(count) not in seen:
+                        seen.add(surface.variant(count))
+                        surface.draw(packed(np.eye(4)), lights, np.arange(count))
+        for name in self.scene.cameras:
+            self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
+
+    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> None:
+        """Draws what a camera sees into `picture`, which has the camera's size.
+
+        poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
+        """
+        camera = self.scene.cameras[name]
+        world = self.hierarchy.world(poses)
+        lights = self._lights(world)
+        place = self.hierarchy.camera(name, world, time)
+        sun = None if self._sun is None else Sun(self._lighting.positions(world)[self._sun], self._lighting.colours[self._sun])
+        clip = view.projection(camera) @ view.view(place)
+        half = math.tan(camera.fov / 2)
+        frame = Frame(
+            time, place, clip, (half, half * camera.size[1] / camera.size[0]), 2 * half / camera.size[0], sun
+        )  # fmt: skip
+        target = self._begin(camera.size)
+        self._solid.begin(frame)
+        self._draw_objects(frame, world, lights)
+        if self._sky is not None:
+            self._sky.draw(frame)
+        target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
+
+    def _begin(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        context, target = self._context, self._targets[size]
+        context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        context.front_face = "cw"  # the projection turns y over, and triangles with it
+        context.depth_func = "<="  # the sky lies at the far end of it
+        target.use()
+        target.clear(*self._background)
+        return target
+
+    def _lights(self, world: Array) -> Lights:
+        lighting = self._lighting
+        positions = np.column_stack([lighting.positions(world), lighting.falloff])
+        colours = np.column_stack([lighting.colours, lighting.cut])
+        return Lights(positions.astype(np.float32), colours.astype(np.float32))
+
+    def _draw_objects(self, frame: Frame, world: Array, lights: Lights) -> None:
+        centres = np.einsum("nij,nj->ni", world[:, :3, :3], self._centres) + world[:, :3, 3]
+        planes = view.frustum(frame.view_projection)
+        inside = centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]
+        # Front to back hides the most; what surrounds everything, such as the ground, comes late.
+        order = np.argsort(np.linalg.norm(centres - frame.eye, axis=1) + self._radii, kind="stable")
+        chosen = self._lighting.strongest(lights.positions[:, :3].astype(np.float64), centres, self._radii)
+        matrices = np.ascontiguousarray(world.transpose(0, 2, 1), dtype=np.float32)
+        visible = [int(row) for row in order if inside[row].all()]
+        for row in visible:
+            if not self._is_water[row]:
+                matrix = matrices[row].tobytes()
+                for surface in self._solid.surfaces[row]:
+                    surface.draw(matrix, lights, chosen[row])
+        if self._water is not None:
+            self._water.begin(frame)
+            for row in visible:
+                if self._is_water[row]:
+                    self._water.draw(self._models[row], matrices[row].tobytes())

@@ -1,0 +1,23 @@
+#include "sky.glsl"
+
+in vec3 ray;
+out vec3 pixel;
+
+#ifdef CLOUDS
+uniform sampler2D clouds;
+uniform vec2 drift;
+#endif
+
+void main() {
+    vec3 direction = normalize(ray);
+    pixel = sky(direction);
+#ifdef SUN
+    pixel += sun(direction);
+#endif
+#ifdef CLOUDS
+    // A flat layer, seen from below: it closes up towards the horizon, where it fades out.
+    float up = max(direction.z, 0.0);
+    vec4 cloud = texture(clouds, direction.xy * (0.16 / (up + 0.12)) + drift);
+    pixel = mix(pixel, cloud.rgb, cloud.a * min(up * 5.0, 1.0));
+#endif
+}

@@ -1,0 +1,10 @@
+in vec3 position;
+uniform mat4 model;
+uniform mat4 view_projection;
+out vec3 surface;
+
+void main() {
+    vec4 world = model * vec4(position, 1.0);
+    surface = world.xyz;
+    gl_Position = view_projection * world;
+}

@@ -1,0 +1,50 @@
+"""Draws a scene at its start poses to a PNG, without ROS: python -m drone_render.snapshot SCENE --out x.png."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from drone_sim import scene as scenes
+from PIL import Image
+
+from drone_render import context
+from drone_render.image import Picture
+from drone_render.renderer import Renderer
+
+
+def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:
+    """The picture of a camera with every object where the scene puts it, at `time` in s."""
+    graphics = context.create()
+    try:
+        with Renderer(scene, graphics) as renderer:
+            picture = Picture(scene.cameras[camera].size, camera)
+            renderer.draw(camera, renderer.hierarchy.start, time, picture)
+            return Image.frombytes("RGB", scene.cameras[camera].size, picture.pixels())
+    finally:
+        graphics.release()
+
+
+def main(args: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="drone_render.snapshot", description="Draws a scene as it starts.")
+    parser.add_argument("scene", help="name of a scene among the assets, or its file")
+    parser.add_argument("--camera", help="which camera; the first if not given")
+    parser.add_argument("--out", type=Path, default=Path("out/snapshot.png"), help="the PNG to write")
+    parser.add_argument("--time", type=float, default=0.0, help="simulated s; moves clouds, waves and orbits")
+    options = parser.parse_args(args)
+    try:
+        scene = scenes.load(options.scene)
+        camera = options.camera or next(iter(scene.cameras), "")
+        if camera not in scene.cameras:
+            raise ValueError(f"no camera '{camera}' in {scene.path}; there are {', '.join(scene.cameras) or 'none'}")
+        image = draw(scene, camera, options.time)
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        image.save(options.out)
+    except (ValueError, OSError, context.ContextError) as error:
+        print(f"snapshot: {error}", file=sys.stderr)
+        return 1
+    print(options.out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
