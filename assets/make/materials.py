@@ -1,0 +1,86 @@
+"""What the models are made of."""
+
+from dataclasses import dataclass
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Colours as Wavefront MTL means them. A texture covers `tile` metres; `relief` adds its normal map."""
+
+    colour: Colour = (1.0, 1.0, 1.0)
+    specular: float = 0.05
+    shininess: float = 16.0
+    emission: Colour = (0.0, 0.0, 0.0)
+    texture: str | None = None
+    relief: bool = False
+    tile: float = 1.0  # 1 also for models that give texture coordinates from 0 to 1
+
+
+MATERIALS = {
+    # drones
+    "shell": Material((0.90, 0.91, 0.93), 0.5, 60),
+    "shell_dark": Material((0.13, 0.14, 0.17), 0.4, 40),
+    "accent": Material((0.95, 0.38, 0.06), 0.5, 60),
+    "carbon": Material((0.17, 0.18, 0.20), 0.3, 30, texture="fabric", tile=0.05),
+    "lens": Material((0.02, 0.03, 0.06), 0.9, 100),
+    "light_red": Material((0.8, 0.1, 0.05), 0.2, 30, emission=(0.9, 0.08, 0.04)),
+    "light_green": Material((0.1, 0.8, 0.2), 0.2, 30, emission=(0.05, 0.9, 0.2)),
+    "light_white": Material((1.0, 1.0, 0.9), 0.2, 30, emission=(1.0, 0.97, 0.85)),
+    "blade": Material((0.16, 0.17, 0.20), 0.5, 50),
+    "blade_tip": Material((0.95, 0.45, 0.08), 0.5, 50),
+    "wood": Material((1.0, 0.96, 0.90), 0.18, 24, texture="wood", relief=True, tile=0.30),
+    "wood_dark": Material((0.58, 0.46, 0.38), 0.18, 24, texture="wood", relief=True, tile=0.25),
+    "wood_light": Material((1.0, 1.0, 0.98), 0.2, 24, texture="wood", relief=True, tile=0.22),
+    "brass": Material((0.80, 0.62, 0.26), 0.7, 50, texture="metal", tile=0.2),
+    "steel": Material((0.72, 0.74, 0.77), 0.6, 50, texture="metal", tile=0.4),
+    # person
+    "skin": Material((0.87, 0.64, 0.50), 0.12, 16),
+    "hair": Material((0.22, 0.13, 0.08), 0.15, 20),
+    "jacket": Material((0.16, 0.42, 0.62), 0.04, 8, texture="fabric", relief=True, tile=0.12),
+    "shirt": Material((0.95, 0.93, 0.88), 0.03, 8, texture="fabric", tile=0.12),
+    "jeans": Material((0.22, 0.27, 0.40), 0.03, 8, texture="fabric", relief=True, tile=0.10),
+    "shoes": Material((0.75, 0.22, 0.16), 0.2, 20),
+    "sole": Material((0.93, 0.92, 0.88), 0.05, 8),
+    "eye": Material((0.05, 0.05, 0.07), 0.6, 60),
+    # things
+    "plastic": Material((0.10, 0.10, 0.11), 0.3, 30),
+    "plastic_grey": Material((0.55, 0.55, 0.53), 0.25, 24),
+    "chrome": Material((0.80, 0.82, 0.85), 0.8, 80),
+    "cabinet": Material((0.62, 0.45, 0.33), 0.25, 28, texture="wood", relief=True, tile=0.6),
+    "screen": Material((0.35, 0.35, 0.38), 0.5, 70, emission=(0.75, 0.80, 0.90), texture="test_card"),
+    "crate": Material((0.95, 0.85, 0.70), 0.05, 10, texture="planks", relief=True, tile=0.8),
+    "rubber": Material((0.08, 0.08, 0.085), 0.1, 12),
+    "paint_red": Material((0.72, 0.14, 0.11), 0.5, 50),
+    "paint_cream": Material((0.93, 0.89, 0.78), 0.4, 40),
+    "glass": Material((0.16, 0.23, 0.29), 0.9, 90),
+    "glass_lit": Material((0.55, 0.45, 0.25), 0.6, 60, emission=(0.40, 0.28, 0.10)),
+    # buildings
+    "bricks": Material(specular=0.03, texture="bricks", relief=True, tile=1.2),
+    "roof_tiles": Material(specular=0.06, texture="roof_tiles", relief=True, tile=1.6),
+    "roof_slate": Material((0.52, 0.60, 0.72), 0.08, 16, texture="roof_tiles", relief=True, tile=1.6),
+    "plaster": Material((0.98, 0.95, 0.88), 0.02, texture="plaster", relief=True, tile=2.0),
+    "plaster_red": Material((0.83, 0.20, 0.16), 0.04, texture="plaster", relief=True, tile=2.0),
+    "planks": Material((0.86, 0.42, 0.34), 0.03, texture="planks", relief=True, tile=1.6),
+    "trim": Material((0.96, 0.95, 0.92), 0.1, 16),
+    "door": Material((0.25, 0.48, 0.46), 0.15, 20, texture="planks", tile=0.8),
+    "stone": Material((0.86, 0.85, 0.82), 0.04, texture="rock", relief=True, tile=2.0),
+    "concrete": Material((0.74, 0.75, 0.76), 0.05, texture="plaster", relief=True, tile=4.0),
+    "floor_line": Material((0.95, 0.75, 0.15), 0.05),
+    # nature
+    "grass": Material(specular=0.02, texture="grass", relief=True, tile=5.0),
+    "shore": Material(specular=0.02, texture="shore", tile=5.0),
+    "sand": Material(specular=0.04, texture="sand", relief=True, tile=5.0),
+    "cobbles": Material(specular=0.08, texture="cobbles", relief=True, tile=2.4),
+    "rock": Material(specular=0.06, texture="rock", relief=True, tile=2.5),
+    "bark": Material(specular=0.02, texture="bark", relief=True, tile=0.8),
+    "palm_bark": Material((0.92, 0.82, 0.70), 0.02, texture="bark", relief=True, tile=0.6),
+    "needles": Material((0.62, 0.82, 0.62), 0.02, texture="leaves", tile=1.2),
+    "foliage": Material((0.90, 1.00, 0.72), 0.03, texture="leaves", tile=1.0),
+    "frond": Material((0.95, 1.0, 0.75), 0.12, 20, texture="frond"),
+    "coconut": Material((0.36, 0.24, 0.14), 0.1),
+    "flower_red": Material((0.85, 0.20, 0.25), 0.05),
+    "flower_yellow": Material((0.98, 0.82, 0.25), 0.05),
+    "water": Material((0.10, 0.35, 0.42), 0.6, 60),
+}
