@@ -40,7 +40,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
                           environment={"FASTRTPS_DEFAULT_PROFILES_FILE": str(dds_profile)}))
     if options.record:
-        nodes.append(node("drone_recorder", "drone_sim.recorder_node", uri=options.record, storage=options.storage,
+        nodes.append(node("drone_recorder", "drone_sim.recorder_node", path=options.record, storage=options.storage,
                           topics=options.record_topics))
     if not options.no_ai:
         nodes.append(node("drone_ai", "drone_ai.ai_node"))

@@ -1,0 +1,68 @@
+"""Pictures as a subscriber with default settings receives them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Twist, Vector3
+from live import Graph, Spawn
+from numpy.typing import NDArray
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import CameraInfo, Image
+from std_srvs.srv import Trigger
+
+MEADOW = Path(__file__).with_name("meadow.yaml")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nodes(spawn: Spawn) -> None:
+    spawn("drone_sim.sim_node", scene=MEADOW)
+    spawn("drone_render.render_node", use_sim_time=True)
+
+
+def picture(image: Image) -> NDArray[np.uint8]:
+    """(height, width, 3)."""
+    return np.frombuffer(image.data, np.uint8).reshape(image.height, image.step)[:, : 3 * image.width].reshape(
+        image.height, image.width, 3
+    )
+
+
+def stamps(messages: list[Image] | list[CameraInfo]) -> list[int]:
+    return [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in messages]
+
+
+@pytest.mark.parametrize(("camera", "size"), [("chase", (640, 480)), ("wide", (320, 240))])
+def test_frames_are_pictures_in_order(graph: Graph, camera: str, size: tuple[int, int]) -> None:
+    images = graph.listen(Image, f"camera/{camera}/image_raw", qos_profile_sensor_data)
+    infos = graph.listen(CameraInfo, f"camera/{camera}/camera_info", qos_profile_sensor_data)
+    graph.wait_for(lambda: len(images) >= 30, "30 frames")
+    graph.wait_for(lambda: infos and stamps(infos)[-1] >= stamps(images)[-1], "as many camera_info")
+
+    assert np.all(np.diff(stamps(images)) > 0)
+    assert len(set(stamps(images)) & set(stamps(infos))) > 20
+    image, info = images[-1], infos[-1]
+    assert (image.width, image.height, image.encoding) == (*size, "rgb8")
+    assert (info.width, info.height) == size
+    assert image.header.frame_id == info.header.frame_id == f"{camera}_optical"
+    assert info.k[0] > 0.0
+    colours = picture(image)
+    assert 20 < colours.mean() < 235
+    assert colours.std() > 15
+    assert len(np.unique(colours.reshape(-1, 3), axis=0)) > 50
+
+
+def test_the_picture_changes_as_the_drone_flies(graph: Graph) -> None:
+    images = graph.listen(Image, "camera/chase/image_raw", qos_profile_sensor_data)
+    commands = graph.publisher(Twist, "cmd_vel")
+    graph.wait_for(lambda: images, "a frame")
+    first = picture(images[0]).astype(float)
+    with graph.repeating(commands, Twist(linear=Vector3(z=1.0), angular=Vector3(z=1.0))):
+        graph.wait_for(lambda: abs(picture(images[-1]) - first).mean() > 5.0, "another picture")
+
+
+def test_a_picture_is_saved_on_request(graph: Graph) -> None:
+    answer = graph.call(Trigger, "drone_render/save_image", Trigger.Request())
+    assert answer.success, answer.message
+    path = Path(answer.message)
+    assert path.read_bytes().startswith(b"\x89PNG")
+    path.unlink()

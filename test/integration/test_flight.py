@@ -1,0 +1,139 @@
+"""The simulation node as its users meet it: commands in, poses and collisions out."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from drone_interfaces.msg import CollisionEvent, CollisionEvents
+from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from live import Graph, Spawn
+from nav_msgs.msg import Odometry
+
+MEADOW = Path(__file__).with_name("meadow.yaml")
+FORWARD = Twist(linear=Vector3(x=3.0))
+FAST = Twist(linear=Vector3(x=6.0))
+UP = Twist(linear=Vector3(z=2.0))
+BACK = Twist(linear=Vector3(x=-2.0))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def sim(spawn: Spawn) -> None:
+    spawn("drone_sim.sim_node", scene=MEADOW)
+
+
+@pytest.fixture
+def odometry(graph: Graph) -> Callable[[str], list[Odometry]]:
+    """What a drone says about itself; waits for its first word."""
+
+    def listen(drone: str) -> list[Odometry]:
+        heard = graph.listen(Odometry, f"{drone}/odom")
+        graph.wait_for(lambda: heard, f"odometry of {drone}")
+        return heard
+
+    return listen
+
+
+@pytest.fixture
+def poses(graph: Graph) -> Callable[[str], list[PoseStamped]]:
+    """The poses of an object; waits for the first."""
+
+    def listen(name: str) -> list[PoseStamped]:
+        heard = graph.listen(PoseStamped, f"{name}/pose")
+        graph.wait_for(lambda: heard, f"pose of {name}")
+        return heard
+
+    return listen
+
+
+def stamp(message: Odometry) -> float:
+    return float(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
+
+
+def speed(message: Odometry) -> float:
+    velocity = message.twist.twist.linear
+    return math.hypot(velocity.x, velocity.y, velocity.z)
+
+
+def test_flies_where_it_is_told_and_stops_when_told_no_more(
+    graph: Graph, odometry: Callable[[str], list[Odometry]], poses: Callable[[str], list[PoseStamped]]
+) -> None:
+    flown, placed = odometry("user_drone"), poses("user_drone")
+    commands = graph.publisher(Twist, "cmd_vel")
+    start = placed[-1].pose.position
+    with graph.repeating(commands, UP):
+        graph.wait_for(lambda: placed[-1].pose.position.z > start.z + 1.0, "the drone to rise")
+    with graph.repeating(commands, FORWARD):
+        graph.wait_for(lambda: placed[-1].pose.position.x > start.x + 3.0, "the drone to fly forward")
+        ahead = flown[-1]
+        assert ahead.twist.twist.linear.x == pytest.approx(3.0, abs=0.5)
+        assert abs(placed[-1].pose.position.y - start.y) < 0.3
+    graph.wait_for(lambda: speed(flown[-1]) < 0.05, "the drone to stop by itself")
+    told_last = stamp(ahead)
+    assert 0.4 < stamp(flown[-1]) - told_last < 3.0
+    place = flown[-1].pose.pose.position
+    graph.wait_for(lambda: stamp(flown[-1]) > told_last + 5.0, "five more seconds")
+    end = flown[-1].pose.pose.position
+    assert math.dist((place.x, place.y, place.z), (end.x, end.y, end.z)) < 0.1
+    assert end.z > start.z + 0.5
+
+
+def test_turns_left_for_a_positive_yaw_rate(graph: Graph, odometry: Callable[[str], list[Odometry]]) -> None:
+    flown = odometry("user_drone")
+    commands = graph.publisher(Twist, "cmd_vel")
+    with graph.repeating(commands, Twist(angular=Vector3(z=1.0))):
+        graph.wait_for(lambda: flown[-1].twist.twist.angular.z > 0.9, "the drone to turn")
+
+
+@pytest.fixture
+def meetings(graph: Graph) -> Callable[[str, str], Iterator[CollisionEvent]]:
+    """All events so far of two objects."""
+    heard = graph.listen(CollisionEvents, "collisions")
+
+    def between(one: str, other: str) -> Iterator[CollisionEvent]:
+        return (event for message in heard for event in message.events
+                if {event.object_a, event.object_b} == {one, other})
+
+    return between
+
+
+def test_pushes_the_television_and_is_pushed_back(
+    graph: Graph,
+    odometry: Callable[[str], list[Odometry]],
+    poses: Callable[[str], list[PoseStamped]],
+    meetings: Callable[[str, str], Iterator[CollisionEvent]],
+) -> None:
+    flown, television = odometry("pusher"), poses("television")
+    start = television[-1].pose.position
+    commands = graph.publisher(Twist, "pusher/cmd_vel")
+
+    def phases() -> set[int]:
+        return {event.phase for event in meetings("pusher", "television")}
+
+    with graph.repeating(commands, FAST):
+        graph.wait_for(lambda: CollisionEvent.PERSIST in phases(), "the drone to meet the television")
+        graph.wait_for(lambda: television[-1].pose.position.x > start.x + 0.02, "the television to move")
+        graph.wait_for(lambda: any(message.twist.twist.linear.x < -0.1 for message in flown), "the drone to be pushed back")
+    with graph.repeating(commands, BACK):
+        graph.wait_for(lambda: CollisionEvent.END in phases(), "the drone to let go")
+    met = next(meetings("pusher", "television"))
+    assert met.phase == CollisionEvent.BEGIN
+    assert met.impulse > 0.0
+    away = met.normal.x if met.object_a == "pusher" else -met.normal.x
+    assert away > 0.9  # the normal points at the television
+
+
+def test_a_building_stops_the_drone(
+    graph: Graph,
+    odometry: Callable[[str], list[Odometry]],
+    meetings: Callable[[str, str], Iterator[CollisionEvent]],
+) -> None:
+    flown = odometry("rammer")
+    commands = graph.publisher(Twist, "rammer/cmd_vel")
+    with graph.repeating(commands, FORWARD):
+        graph.wait_for(lambda: list(meetings("rammer", "barn")), "the drone to meet the barn")
+        met = next(meetings("rammer", "barn"))
+        time_met = stamp(flown[-1])
+        graph.wait_for(lambda: stamp(flown[-1]) > time_met + 1.0, "a second of pushing")
+    assert met.point.x > 1.0
+    assert all(message.pose.pose.position.x < met.point.x for message in flown)

@@ -1,0 +1,45 @@
+"""A whole run through start.py: what was heard live is what the bag holds, byte for byte."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from live import Graph, Spawn
+from rosbags.highlevel import AnyReader
+from tf2_msgs.msg import TFMessage
+
+MEADOW = Path(__file__).with_name("meadow.yaml")
+START = Path(__file__).parents[2] / "ros2_ws" / "start.py"
+HEARD = {"/user_drone/pose": PoseStamped, "/television/pose": PoseStamped, "/tf": TFMessage}
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_the_bag_holds_what_was_heard(graph: Graph, spawn: Spawn, tmp_path: Path, storage: str) -> None:
+    bag = tmp_path / "bag"
+    run = spawn.command("start.py", [
+        sys.executable, str(START), "--scene", str(MEADOW), "--record", str(bag), "--storage", storage,
+        "--no-teleop", "--no-render", "--log-dir", str(tmp_path / "log"),
+    ])
+    heard = {topic: graph.listen(kind, topic, raw=True) for topic, kind in HEARD.items()}
+    graph.wait_for(bag.is_dir, "the bag")
+    graph.wait_for(lambda: all(len(messages) >= 100 for messages in heard.values()), "100 messages of each topic")
+    assert run.interrupt() == 0
+
+    kept: dict[str, list[bytes]] = {topic: [] for topic in HEARD}
+    with AnyReader([bag]) as reader:
+        types = {connection.topic: connection.msgtype for connection in reader.connections}
+        for connection, _, data in reader.messages():
+            if connection.topic in kept:
+                kept[connection.topic].append(bytes(data))
+    assert {"/clock", "/scene", "/tf_static", "/collisions", "/user_drone/odom"} <= types.keys()
+    for topic, arrived in heard.items():
+        assert types[topic] == f"{HEARD[topic].__module__.split('.')[0]}/msg/{HEARD[topic].__name__}"
+        live = [bytes(message) for message in arrived]
+        # Either may have joined first or left last; in between nothing is missing or different.
+        in_bag = set(kept[topic])
+        common = [message for message in live if message in in_bag]
+        assert len(common) > 50
+        for messages in (live, kept[topic]):
+            first = messages.index(common[0])
+            assert messages[first : first + len(common)] == common
