@@ -1,40 +1,61 @@
-"""The layouts of what the simulation publishes every step; each function's message is written with the names given."""
+"""What the simulation says in messages with lists and words: events, the scene, diagnostics."""
 
-from collections.abc import Sequence
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from drone_interfaces.msg import CollisionEvent, CollisionEvents
+from drone_interfaces.msg import Scene as SceneMessage
+from geometry_msgs.msg import Point, Vector3
+from std_msgs.msg import Header
 
-from drone_sim.cdr import Layout, Message
+from drone_sim.cdr import SECOND
+from drone_sim.world import World
 
-
-def clock() -> Message:
-    """rosgraph_msgs/Clock."""
-    return Layout().stamp().message()
-
-
-def pose_stamped(frame: str) -> Message:
-    """geometry_msgs/PoseStamped; 'pose': x y z qx qy qz qw."""
-    return Layout().header(frame).float64("pose", 7).message()
+KEEPING_UP = 0.95  # of the rate asked for, under which the diagnostics warn
 
 
-def odometry(frame: str, child: str) -> Message:
-    """nav_msgs/Odometry; 'pose': x y z qx qy qz qw; 'twist': linear, angular, in the child's frame; no covariance."""
-    layout = Layout().header(frame).string(child)
-    return layout.float64("pose", 7).float64("pose_covariance", 36).float64("twist", 6).float64(
-        "twist_covariance", 36).message()
+def time_message(time_ns: int) -> Time:
+    """builtin_interfaces/Time of a time in ns."""
+    return Time(sec=time_ns // SECOND, nanosec=time_ns % SECOND)
 
 
-def transforms(parents: Sequence[str], children: Sequence[str]) -> Message:
-    """tf2_msgs/TFMessage; 'pose': (n, 7) x y z qx qy qz qw."""
-    layout = Layout().uint32(len(children))
-    for parent, child in zip(parents, children, strict=True):
-        layout.header(parent).string(child).float64("pose", 7)
-    return layout.message()
+def scene_message(world: World) -> SceneMessage:
+    """What runs, and what it is made of."""
+    scene = world.scene
+    return SceneMessage(
+        name=scene.name, uri=str(scene.path), hash=scene.hash, physics_rate=scene.rates.physics,
+        draw_rate=scene.rates.draw, seed=scene.seed, collision_level=scene.collision.level,
+        effects=[stage.name for stage in world.stages], render=scene.render.features(),
+        objects=list(scene.objects), cameras=list(scene.cameras))
 
 
-def joint_state(names: Sequence[str]) -> Message:
-    """sensor_msgs/JointState; 'position' (1, n) in rad, 'velocity' (1, n) in rad/s."""
-    layout = Layout().header("").uint32(len(names))
-    for name in names:
-        layout.string(name)
-    layout.uint32(len(names)).float64("position", len(names))
-    layout.uint32(len(names)).float64("velocity", len(names))
-    return layout.uint32(0).message()
+def collision_events(world: World, time_ns: int) -> CollisionEvents:
+    """The events of the last step."""
+    names = world.model.bodies.names
+    events = [
+        CollisionEvent(
+            phase=int(event.phase), object_a=names[event.a], object_b=names[event.b], level=event.level,
+            point=Point(**dict(zip("xyz", event.point, strict=True))),
+            normal=Vector3(**dict(zip("xyz", event.normal, strict=True))),
+            depth=event.depth, impulse=event.impulse)
+        for event in world.events
+    ]
+    header = Header(stamp=time_message(time_ns), frame_id="world")
+    return CollisionEvents(header=header, step=int(world.state.step[0]), events=events)
+
+
+def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, rejected: int, lag: float) -> DiagnosticArray:
+    """Rates in Hz of wall time (asked: 0 if as fast as it can), commands rejected so far, s of wall time given up."""
+    late = asked > 0.0 and rate < KEEPING_UP * asked
+    status = DiagnosticStatus(
+        level=DiagnosticStatus.WARN if late else DiagnosticStatus.OK,
+        name="drone_sim: physics",
+        message=f"{rate:.1f} of {asked:.1f} steps per s" if asked else f"{rate:.1f} steps per s",
+        hardware_id=world.scene.name,
+        values=[
+            KeyValue(key="steps per s", value=f"{rate:.2f}"),
+            KeyValue(key="lag given up, s", value=f"{lag:.3f}"),
+            KeyValue(key="commands rejected", value=str(rejected)),
+            KeyValue(key="contacts", value=str(world.contact_count)),
+            *(KeyValue(key=f"{name}, us per step", value=f"{us:.1f}") for name, us in world.stage_times().items()),
+        ])
+    return DiagnosticArray(header=Header(stamp=time_message(time_ns)), status=[status])

@@ -8,6 +8,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from time import perf_counter_ns
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class World:
         self._start = self.state.copy()
         self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
         self.stages = self._build_stages()
+        self._marks = [0] * (len(self.stages) + 1)  # ns, when each stage of the last step began
 
     def _build_stages(self) -> tuple[Named, ...]:
         """What this scene calls for, and nothing else, in the order in which it happens."""
@@ -71,8 +73,10 @@ class World:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
         for name, command in commands.items():
             self.command(name, command)
-        for stage in self.stages:
+        for i, stage in enumerate(self.stages):
+            self._marks[i] = perf_counter_ns()
             stage.run()
+        self._marks[-1] = perf_counter_ns()
         self.state.step += 1
 
     def command(self, drone: str, command: Command) -> None:
@@ -83,7 +87,7 @@ class World:
             raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._drone_of) or 'none'}")
         d = self._drone_of[drone]
         self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
-        self.state.silence[d] = -1
+        self.state.silence[d] = -1  # which the next step makes 0
 
     def _age_commands(self) -> None:
         self.state.silence += 1
@@ -105,6 +109,15 @@ class World:
     def time(self) -> float:
         """Simulated time in s."""
         return int(self.state.step[0]) * self.dt
+
+    def stage_times(self) -> dict[str, float]:
+        """Wall time in us that each stage of the last step took."""
+        return {stage.name: (self._marks[i + 1] - self._marks[i]) / 1000 for i, stage in enumerate(self.stages)}
+
+    @property
+    def contact_count(self) -> int:
+        """Pairs of bodies that touch or are about to."""
+        return self._detection.manifolds.count
 
     @property
     def events(self) -> list[Event]:

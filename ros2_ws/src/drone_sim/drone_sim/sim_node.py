@@ -1,0 +1,242 @@
+"""The node around the world: commands in, poses and events out, time kept."""
+
+import math
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from drone_interfaces.msg import CollisionEvents
+from drone_interfaces.msg import Scene as SceneMessage
+from geometry_msgs.msg import PoseStamped, Twist
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+from rosgraph_msgs.msg import Clock as ClockMessage
+from sensor_msgs.msg import JointState
+from simulation_interfaces.msg import Result, SimulationState
+from simulation_interfaces.srv import (GetSimulationState, LoadWorld, ResetSimulation, SetSimulationState,
+                                       StepSimulation)
+from tf2_msgs.msg import TFMessage
+
+from drone_sim import kernel
+from drone_sim.mesh import MeshError
+from drone_sim.pacing import Pacer
+from drone_sim.messages import collision_events, diagnostics, scene_message
+from drone_sim.scene import SceneError, load
+from drone_sim.telemetry import Telemetry, Type
+from drone_sim.world import World
+
+CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odometry, Type.TRANSFORMS: TFMessage,
+           Type.JOINTS: JointState}
+KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
+RELIABLE = QoSProfile(depth=100)
+UNPACED_SLICE = 0.005  # s of wall time between looks at the subscriptions when running as fast as it can
+
+
+class SimNode(Node):
+    """Runs one scene; another can be loaded while it runs. `finished` is done once the duration has been reached."""
+
+    def __init__(self) -> None:
+        super().__init__("drone_sim")
+        self.finished: Future = Future()
+        self._factor = self._number("rtf", 1.0, 1000.0, "simulated s per wall s; 0: as fast as it can")
+        self._duration = self._number("duration", 0.0, 1e9, "simulated s after which the node ends; 0: never")
+        self._scene_name = str(self.declare_parameter("scene", "island", ParameterDescriptor(
+            description="a scene among the assets, by name, or a scene file", read_only=True)).value)
+        self._wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self._state = SimulationState.STATE_LOADING_WORLD
+        self._rejected = 0
+        self._outputs: dict[str, rclpy.publisher.Publisher] = {}
+        self._inputs: list[rclpy.subscription.Subscription] = []
+        self._scene_output = self.create_publisher(SceneMessage, "scene", KEPT)
+        self._static_output = self.create_publisher(TFMessage, "tf_static", KEPT)
+        self._collision_output = self.create_publisher(CollisionEvents, "collisions", RELIABLE)
+        self._diagnostics_output = self.create_publisher(DiagnosticArray, "diagnostics", 10)
+        for service, name, answer in ((LoadWorld, "load_world", self._on_load),
+                                      (ResetSimulation, "reset_simulation", self._on_reset),
+                                      (GetSimulationState, "get_simulation_state", self._on_get_state),
+                                      (SetSimulationState, "set_simulation_state", self._on_set_state),
+                                      (StepSimulation, "step_simulation", self._on_step)):
+            self.create_service(service, name, answer)
+        self._run(self._build(self._scene_name))
+        self.create_timer(1.0, self._report, clock=self._wall)
+
+    def _number(self, name: str, default: float, most: float, description: str) -> float:
+        limits = FloatingPointRange(from_value=0.0, to_value=most)
+        descriptor = ParameterDescriptor(description=description, floating_point_range=[limits], read_only=True)
+        return float(self.declare_parameter(name, default, descriptor).value)
+
+    # Scenes
+
+    def _build(self, name: str) -> World:
+        """A world that is ready to step. Raises SceneError or MeshError."""
+        world = World(load(name))
+        first_time = not kernel.compiled_before()
+
+        def report(done: int, total: int, stage: str) -> None:
+            if first_time:
+                self.get_logger().info(f"compiling, once for this machine: {done + 1} of {total}, {stage}")
+
+        world.compile(report)
+        return world
+
+    def _run(self, world: World) -> None:
+        """Replaces whatever runs."""
+        for output in self._outputs.values():
+            self.destroy_publisher(output)
+        for subscription in self._inputs:
+            self.destroy_subscription(subscription)
+        self._world, self._telemetry = world, Telemetry(world)
+        self._outputs = {topic: self.create_publisher(CLASSES[type_], topic, RELIABLE)
+                         for topic, type_ in self._telemetry.topics.items()}
+        self._inputs = [self.create_subscription(Twist, flight.cmd_vel,
+                                                 lambda twist, name=name: self._on_command(name, twist), 10)
+                        for name, thing in world.scene.objects.items() if (flight := thing.flight)]
+        self._state = SimulationState.STATE_PLAYING
+        self._restart_clock()
+        self._scene_output.publish(scene_message(world))
+        self._static_output.publish(self._telemetry.static(0))
+        self._publish()
+        self.get_logger().info(f"scene '{world.scene.name}': {world.model.bodies.count} bodies, "
+                               f"physics at {world.scene.rates.physics:g} Hz")
+
+    def _restart_clock(self) -> None:
+        self._pacer = Pacer(self._world.scene.rates.physics, self._factor) if self._factor else None
+        if hasattr(self, "_timer"):
+            self.destroy_timer(self._timer)
+        self._timer = self.create_timer(self._pacer.period if self._pacer else 0.0, self._on_time, clock=self._wall)
+        self._reported = (self._now(), int(self._world.state.step[0]))
+
+    def _now(self) -> float:
+        return float(self._wall.now().nanoseconds) * 1e-9
+
+    # Time
+
+    def _on_time(self) -> None:
+        if self._state != SimulationState.STATE_PLAYING:
+            return
+        if self._pacer:
+            for _ in range(self._pacer.due(self._now())):
+                self._step()
+        else:
+            end = self._now() + UNPACED_SLICE
+            while self._now() < end and not self.finished.done():
+                self._step()
+
+    def _step(self) -> None:
+        if self.finished.done():
+            return
+        self._world.step()
+        self._publish()
+        if self._duration and self._world.time >= self._duration - 0.5 * self._world.dt:
+            self.finished.set_result(None)
+
+    def _publish(self) -> None:
+        for topic, message in self._telemetry.messages():
+            self._outputs[topic].publish(message)
+        if self._world.events:
+            self._collision_output.publish(collision_events(self._world, self._telemetry.time_ns))
+
+    # Commands
+
+    def _on_command(self, drone: str, twist: Twist) -> None:
+        command = (twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.z)
+        if all(map(math.isfinite, command)):
+            self._world.command(drone, command)
+        else:
+            self._rejected += 1
+            topic = self._world.scene.objects[drone].flight.cmd_vel  # type: ignore[union-attr]
+            self.get_logger().warning(f"{topic}: rejected a Twist with NaN or infinite numbers",
+                                      throttle_duration_sec=1.0)
+
+    # Services
+
+    def _on_load(self, request: LoadWorld.Request, response: LoadWorld.Response) -> LoadWorld.Response:
+        uri = request.world_resource.uri.removeprefix("file://")
+        if not uri:
+            response.result = Result(result=LoadWorld.Response.NO_RESOURCE,
+                                     error_message="world_resource.uri: expected a scene's name or file")
+            return response
+        try:
+            self._run(self._build(uri))
+        except (SceneError, MeshError) as error:
+            self.get_logger().error(f"load_world: {error}")
+            response.result = Result(result=LoadWorld.Response.RESOURCE_PARSE_ERROR, error_message=str(error))
+            return response
+        response.result = Result(result=Result.RESULT_OK)
+        response.world.name = self._world.scene.name
+        response.world.world_resource.uri = str(self._world.scene.path)
+        response.world.description = self._world.scene.description
+        return response
+
+    def _on_reset(self, request: ResetSimulation.Request, response: ResetSimulation.Response) -> object:
+        self._world.reset()
+        self._restart_clock()
+        self._publish()
+        response.result = Result(result=Result.RESULT_OK)
+        return response
+
+    def _on_get_state(self, _: GetSimulationState.Request, response: GetSimulationState.Response) -> object:
+        response.state.state = self._state
+        response.result = Result(result=Result.RESULT_OK)
+        return response
+
+    def _on_set_state(self, request: SetSimulationState.Request, response: SetSimulationState.Response) -> object:
+        wanted = request.state.state
+        if wanted == self._state:
+            response.result = Result(result=SetSimulationState.Response.ALREADY_IN_TARGET_STATE)
+        elif wanted == SimulationState.STATE_QUITTING:
+            self.finished.set_result(None)
+            response.result = Result(result=Result.RESULT_OK)
+        elif wanted in (SimulationState.STATE_PLAYING, SimulationState.STATE_PAUSED, SimulationState.STATE_STOPPED):
+            self._state = wanted
+            if wanted == SimulationState.STATE_STOPPED:
+                self._world.reset()
+                self._publish()
+            if self._pacer:
+                self._pacer.restart()
+            response.result = Result(result=Result.RESULT_OK)
+        else:
+            response.result = Result(result=SetSimulationState.Response.INCORRECT_TRANSITION,
+                                     error_message="state: expected stopped (0), playing (1), paused (2) or quitting")
+        return response
+
+    def _on_step(self, request: StepSimulation.Request, response: StepSimulation.Response) -> object:
+        if self._state != SimulationState.STATE_PAUSED:
+            response.result = Result(result=Result.RESULT_OPERATION_FAILED,
+                                     error_message="the simulation is not paused")
+            return response
+        for _ in range(request.steps):
+            self._step()
+        response.result = Result(result=Result.RESULT_OK)
+        return response
+
+    # Diagnostics
+
+    def _report(self) -> None:
+        now, step = self._now(), int(self._world.state.step[0])
+        (before, last), self._reported = self._reported, (now, step)
+        rate = (step - last) / (now - before) if now > before else 0.0
+        self._diagnostics_output.publish(diagnostics(
+            self._world, self._telemetry.time_ns, rate=rate, rejected=self._rejected,
+            asked=self._factor * self._world.scene.rates.physics, lag=self._pacer.lag if self._pacer else 0.0))
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    try:
+        node = SimNode()
+        rclpy.spin_until_future_complete(node, node.finished)
+    except (SceneError, MeshError) as error:
+        raise SystemExit(f"drone_sim: {error}") from None
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
