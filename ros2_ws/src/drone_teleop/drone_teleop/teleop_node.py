@@ -8,6 +8,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
@@ -21,7 +22,6 @@ from simulation_interfaces.srv import ResetSimulation, SetSimulationState
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
-from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
 from drone_teleop.keys import HELP, Action, Hand
 from drone_teleop.screen import Screen
 from drone_teleop.terminal import Keyboard

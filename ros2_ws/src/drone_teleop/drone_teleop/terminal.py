@@ -25,7 +25,7 @@ FUNCTION_KEYS = {
 NAMED = {"\t": "Tab", " ": "Space", "\x1b": "Esc"}
 
 # ECMA-48 control sequences, single shift three, the Linux console's function keys, and Alt with a key.
-_WHOLE = re.compile(rb"\x1b(?:\[\[[A-E]|\[[0-?]{0,16}[ -/]{0,4}[@-Z\\-~]|O[0-9;]{0,16}[@-~]|[ -NP-Z\\-~])")
+_WHOLE = re.compile(rb"\x1b(?:\[\[[A-E]|\[[0-?]{0,16}[ -/]{0,4}[@-~]|O[0-9;]{0,16}[@-~]|[ -NP-Z\\-~])")
 _BEGUN = re.compile(rb"\x1b(?:\[\[|\[[0-?]{0,16}[ -/]{0,4}|O[0-9;]{0,16})?\Z")
 
 

@@ -9,18 +9,20 @@ STOP = (0.0, 0.0, 0.0, 0.0)
 
 # The documented table of teleop_twist_keyboard: x, y, z, yaw; then factors of the linear and the angular speed.
 DOCUMENTED_MOVES = """
-i 1 0 0 0   o 1 0 0 -1   j 0 0 0 1   l 0 0 0 -1   u 1 0 0 1   , -1 0 0 0   . -1 0 0 1   m -1 0 0 -1
-I 1 0 0 0   O 1 -1 0 0   J 0 1 0 0   L 0 -1 0 0   U 1 1 0 0   < -1 0 0 0   > -1 -1 0 0   M -1 1 0 0
-t 0 0 1 0   b 0 0 -1 0
-""".split()
-DOCUMENTED_SPEEDS = "q 1.1 1.1   z .9 .9   w 1.1 1   x .9 1   e 1 1.1   c 1 .9".split()
+i 1 0 0 0 | o 1 0 0 -1 | j 0 0 0 1 | l 0 0 0 -1 | u 1 0 0 1 | , -1 0 0 0 | . -1 0 0 1 | m -1 0 0 -1
+I 1 0 0 0 | O 1 -1 0 0 | J 0 1 0 0 | L 0 -1 0 0 | U 1 1 0 0 | < -1 0 0 0 | > -1 -1 0 0 | M -1 1 0 0
+t 0 0 1 0 | b 0 0 -1 0"""
+DOCUMENTED_SPEEDS = "q 1.1 1.1 | z .9 .9 | w 1.1 1 | x .9 1 | e 1 1.1 | c 1 .9"
+
+
+def rows(table: str) -> dict[str, tuple[float, ...]]:
+    cells = (row.split() for row in table.strip().replace("\n", "|").split("|"))
+    return {key: tuple(map(float, values)) for key, *values in cells}
 
 
 def test_the_table_is_teleop_twist_keyboards() -> None:
-    rows = [DOCUMENTED_MOVES[i : i + 5] for i in range(0, len(DOCUMENTED_MOVES), 5)]
-    assert {key: tuple(map(int, row)) for key, *row in rows} == MOVES
-    factors = [DOCUMENTED_SPEEDS[i : i + 3] for i in range(0, len(DOCUMENTED_SPEEDS), 3)]
-    assert {key: tuple(map(float, row)) for key, *row in factors} == SPEEDS
+    assert rows(DOCUMENTED_MOVES) == MOVES
+    assert rows(DOCUMENTED_SPEEDS) == SPEEDS
 
 
 def test_no_other_key_takes_one_of_the_table_or_of_its_stops() -> None:
@@ -60,6 +62,14 @@ def test_a_held_key_counts_without_a_gap_and_stops_soon_after_it_is_let_go(first
         assert held.at(after) == "i"
     assert held.at(events[-1] + 0.149) == "i"
     assert held.at(events[-1] + 0.151) is None
+
+
+def test_a_second_tap_has_the_time_of_a_first() -> None:
+    held = Held(delay=0.6, timeout=0.15)
+    held.press("i", 0.0)
+    held.press("i", 0.3)
+    assert held.at(0.89) == "i"
+    assert held.at(0.9) is None
 
 
 def test_another_key_takes_over_at_once() -> None:

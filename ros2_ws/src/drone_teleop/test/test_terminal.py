@@ -5,6 +5,7 @@ import pty
 import termios
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 
 import pytest
 from drone_teleop.terminal import Decoder, Keyboard
@@ -72,10 +73,8 @@ def terminal() -> Iterator[tuple[int, int]]:
     person, program = pty.openpty()
     yield person, program
     for descriptor in (person, program):
-        try:
+        with suppress(OSError):  # the test has closed it
             os.close(descriptor)
-        except OSError:  # closed by the test
-            pass
 
 
 def read(keyboard: Keyboard) -> list[str]:

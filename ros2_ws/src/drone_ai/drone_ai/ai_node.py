@@ -1,0 +1,161 @@
+"""The computer's hands: flies every drone of the scene that has a patrol, and grounds those that are held."""
+
+import math
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from drone_interfaces.msg import Scene
+from drone_sim.scene import Flight, Patrol, SceneError, load
+from geometry_msgs.msg import Quaternion, Twist, Vector3
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import Bool
+
+from drone_ai.pilot import Observation, Pilot
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # type: ignore[no-untyped-call]
+NEWEST = QoSProfile(depth=1)  # type: ignore[no-untyped-call]
+
+
+class Seat:
+    """A pilot in one drone: odometry in, commands out, at the rate of the odometry."""
+
+    def __init__(self, node: Node, drone: str, patrol: Patrol, flight: Flight, hold_timeout: float) -> None:
+        self.drone = drone
+        self.pilot = Pilot(
+            patrol.waypoints, min(patrol.speed, flight.max_speed), patrol.min_height, min(1.0, flight.max_yaw_rate)
+        )
+        self.ignored = 0  # broken odometry messages
+        self._clock = node.get_clock()
+        self._hold_timeout = hold_timeout
+        self._held_at = -math.inf  # s; -inf while released
+        self._command = node.create_publisher(Twist, flight.cmd_vel, NEWEST)
+        self._subscriptions = [
+            node.create_subscription(Bool, f"{drone}/hold", self._on_hold, NEWEST),
+            node.create_subscription(Odometry, f"{drone}/odom", self._on_odometry, NEWEST),
+        ]
+
+    def is_held(self) -> bool:
+        """Whether somebody holds the drone down: said within the timeout, in the node's time."""
+        return 0.0 <= self._now() - self._held_at < self._hold_timeout
+
+    def leave(self, node: Node) -> None:
+        """Takes the hands off the drone."""
+        for subscription in self._subscriptions:
+            node.destroy_subscription(subscription)
+        node.destroy_publisher(self._command)
+
+    def _now(self) -> float:
+        return float(self._clock.now().nanoseconds) * 1e-9
+
+    def _on_hold(self, hold: Bool) -> None:
+        self._held_at = self._now() if hold.data else -math.inf
+
+    def _on_odometry(self, odometry: Odometry) -> None:
+        command = self.pilot.fly(_observation(odometry), self.is_held())
+        if command is None:
+            self.ignored += 1
+            return
+        x, y, z = command.velocity_b
+        linear, angular = Vector3(x=x, y=y, z=z), Vector3(z=command.yaw_rate)
+        self._command.publish(Twist(linear=linear, angular=angular))
+
+
+class AiNode(Node):
+    """Has one pilot for each drone of the running scene that has a patrol."""
+
+    def __init__(self) -> None:
+        super().__init__("drone_ai")
+        descriptor = ParameterDescriptor(
+            description="s without a message on <drone>/hold after which the drone is released",
+            floating_point_range=[FloatingPointRange(from_value=0.05, to_value=10.0)],
+            read_only=True,
+        )
+        self._hold_timeout = float(self.declare_parameter("hold_timeout", 0.5, descriptor).value)
+        self._seats: list[Seat] = []
+        self._hash = ""
+        self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
+        self.create_subscription(Scene, "scene", self._on_scene, LATCHED)
+        self.create_timer(1.0, self._diagnose, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _on_scene(self, message: Scene) -> None:
+        if message.hash == self._hash:
+            return
+        self._hash = message.hash
+        for seat in self._seats:
+            seat.leave(self)
+        self._seats = []
+        try:
+            scene = load(message.uri)
+        except SceneError as error:
+            self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
+            return
+        self._seats = [
+            Seat(self, name, thing.patrol, thing.flight, self._hold_timeout)
+            for name, thing in scene.objects.items()
+            if thing.patrol and thing.flight
+        ]
+        names = ", ".join(seat.drone for seat in self._seats)
+        text = f"{scene.name}: flying {names}" if names else f"{scene.name}: no object has a patrol"
+        self.get_logger().info(text)  # type: ignore[no-untyped-call]
+
+    def _diagnose(self) -> None:
+        diagnostics = DiagnosticArray(status=[_status(seat) for seat in self._seats])
+        diagnostics.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(diagnostics)
+
+
+def _status(seat: Seat) -> DiagnosticStatus:
+    pilot = seat.pilot
+    values = {"waypoint": pilot.waypoint, "held": seat.is_held(), "broken odometry": seat.ignored}
+    return DiagnosticStatus(
+        level=DiagnosticStatus.WARN if seat.ignored else DiagnosticStatus.OK,
+        name=f"drone_ai: {seat.drone}",
+        message=pilot.state.value,
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+    )
+
+
+def _observation(odometry: Odometry) -> Observation:
+    """What the pilot needs of a message whose velocity is in the frame of the body."""
+    stamp, pose, velocity = odometry.header.stamp, odometry.pose.pose, odometry.twist.twist.linear
+    return Observation(
+        time=stamp.sec + stamp.nanosec * 1e-9,
+        position_w=(pose.position.x, pose.position.y, pose.position.z),
+        yaw=_yaw(pose.orientation),
+        climb_rate=_along_world_z(pose.orientation, velocity),
+    )
+
+
+def _yaw(q: Quaternion) -> float:
+    """Heading of the body's x axis, in rad."""
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def _along_world_z(q: Quaternion, v: Vector3) -> float:
+    """z of a body vector in the world: the last row of the rotation matrix."""
+    return float(
+        2.0 * (q.x * q.z - q.w * q.y) * v.x
+        + 2.0 * (q.y * q.z + q.w * q.x) * v.y
+        + (1.0 - 2.0 * (q.x * q.x + q.y * q.y)) * v.z
+    )
+
+
+def main(args: list[str] | None = None) -> None:
+    """Runs the node until it is interrupted."""
+    rclpy.init(args=args)
+    try:
+        rclpy.spin(AiNode())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()  # type: ignore[attr-defined]
+
+
+if __name__ == "__main__":
+    main()
