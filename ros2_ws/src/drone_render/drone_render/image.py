@@ -1,12 +1,13 @@
 """Image and CameraInfo as serialized bytes, laid out once per camera; the pixels are drawn into their place."""
 
 import struct
+from collections.abc import Sequence
 
 import numpy as np
 from drone_sim.cdr import Layout, Message
 from drone_sim.scene import Camera
 
-from drone_render.view import intrinsics
+from drone_render.view import Array, intrinsics
 
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
 SECOND = 1_000_000_000  # ns
@@ -46,4 +47,15 @@ def camera_info(camera: Camera, frame: str) -> Message:
     message.write("k", k.ravel())
     message.write("r", np.eye(3).ravel())
     message.write("p", np.hstack([k, np.zeros((3, 1))]).ravel())
+    return message
+
+
+def transforms(links: Sequence[tuple[str, str, Array]]) -> Message:
+    """A tf2_msgs/TFMessage of (parent, child, pose (7,)); stamp and 'pose' (n, 7) can be set again."""
+    layout = Layout().uint32(len(links))
+    for parent, child, _ in links:
+        layout.header(parent).string(child).float64("pose", 7)
+    message = layout.message()
+    if links:
+        message.write("pose", np.array([pose for _, _, pose in links]))
     return message

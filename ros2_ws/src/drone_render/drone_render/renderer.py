@@ -89,8 +89,8 @@ class Renderer:
         for name in self.scene.cameras:
             self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
 
-    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> None:
-        """Draws what a camera sees into `picture`, which has the camera's size.
+    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> Array:
+        """Draws what a camera sees into `picture`, which has its size; returns its matrix (4, 4) in the world.
 
         poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
         """
@@ -110,6 +110,7 @@ class Renderer:
         if self._sky is not None:
             self._sky.draw(frame)
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
+        return place
 
     def _begin(self, size: tuple[int, int]) -> moderngl.Framebuffer:
         context, target = self._context, self._targets[size]

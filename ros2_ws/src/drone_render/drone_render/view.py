@@ -13,7 +13,8 @@ from drone_sim.scene import Camera, Pose
 Array = npt.NDArray[np.float64]
 
 EYE_FROM_CAMERA = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
-OPTICAL_FROM_CAMERA = (-0.5, 0.5, -0.5, 0.5)  # quaternion of the optical frame (z ahead, y down) in the camera's
+ORIGIN = np.array([0.0, 0, 0, 0, 0, 0, 1])
+OPTICAL = np.array([0.0, 0, 0, -0.5, 0.5, -0.5, 0.5])  # pose of the optical frame (z ahead, y down) in the camera's
 
 
 def pose(numbers: Pose) -> Array:

@@ -1,5 +1,6 @@
 """Models: OBJ + MTL files as plain arrays, for the physics and for the picture alike."""
 
+import io
 import logging
 from dataclasses import dataclass, replace
 from functools import cache
@@ -85,11 +86,11 @@ def load(path: Path) -> Model:
     text = _text(path)
     materials = _materials(path, text)
     try:
-        geometry = trimesh.load_scene(path, process=False).geometry.values()
+        loaded = trimesh.load_scene(io.StringIO(text), "obj", resolver=_Names(text), process=False)
     except Exception as error:  # the loader has no exception of its own
         raise MeshError(f"{path}: not readable as OBJ: {str(error).splitlines()[0]}") from None
     has_normals = "\nvn " in text
-    meshes = [mesh for mesh in geometry if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    meshes = [mesh for mesh in loaded.geometry.values() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
     parts = [_part(path, mesh, has_normals, materials) for mesh in meshes]
     if not parts:
         raise MeshError(f"{path}: has no faces")
@@ -126,6 +127,17 @@ def _part(path: Path, mesh: "trimesh.Trimesh", has_normals: bool, materials: dic
         np.ascontiguousarray(mesh.faces, dtype=np.int32),
         materials.get(name, Material(name)),
     )
+
+
+class _Names(dict[str, str]):
+    """Gives trimesh an MTL with the names of the materials and nothing else: it knows no normal maps, would open
+    all pictures, and refuses what lies behind a link, as installed assets do."""
+
+    def __init__(self, text: str) -> None:
+        lines = text.splitlines()
+        names = {line[7:].strip() for line in lines if line.startswith("usemtl ")}
+        stub = "\n".join(f"newmtl {name}" for name in sorted(names))
+        super().__init__({line[7:].strip(): stub for line in lines if line.startswith("mtllib ")})
 
 
 def _smooth_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.integer]) -> npt.NDArray[np.float64]:

@@ -1,0 +1,339 @@
+"""The node that draws: follows the scene and the poses, publishes what its cameras see."""
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from drone_interfaces.msg import Scene as SceneMessage
+from drone_sim import scene as scenes
+from drone_sim.cdr import Message, read_transforms
+from PIL import Image as PillowImage
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+from drone_render import context, view
+from drone_render.film import Film, FilmError
+from drone_render.history import SECOND
+from drone_render.image import Picture, camera_info, transforms
+from drone_render.renderer import Renderer
+from drone_render.schedule import Due, Schedule
+from drone_render.view import Array
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
+FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
+
+
+@dataclass
+class Shutter:
+    """One camera: where its pictures go, and what they took."""
+
+    picture: Picture
+    info: Message
+    image_publisher: Publisher
+    info_publisher: Publisher
+    moving: Message | None  # its transform, if that changes from picture to picture
+    drawn: int = 0
+    seconds: float = 0.0
+
+    def watched(self) -> bool:
+        """Whether anybody listens."""
+        return bool(self.image_publisher.get_subscription_count() or self.info_publisher.get_subscription_count())
+
+
+@dataclass
+class Request:
+    """Somebody waits for a picture of the selected camera."""
+
+    done: threading.Event = field(default_factory=threading.Event)
+    image: PillowImage.Image | None = None
+    name: str = ""
+
+
+class RenderNode(Node):
+    """Draws in the thread that calls `run`; ROS calls back in another one, and leaves what it brings under a lock."""
+
+    def __init__(self) -> None:
+        super().__init__("drone_render")
+        self._film_path = self._text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
+        self._film_rate = self.declare_parameter(
+            "film_rate", 30,
+            ParameterDescriptor(description="pictures per simulated second of the film",
+                                integer_range=[IntegerRange(from_value=1, to_value=240, step=1)]),
+        ).get_parameter_value().integer_value  # fmt: skip
+        self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
+        self._image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
+
+        self._graphics = context.create()
+        self.get_logger().info(f"drawing on {context.device_name(self._graphics)}")
+        self._changed = threading.Condition()
+        self._wanted_scene: SceneMessage | None = None
+        self._requests: list[Request] = []
+        self._schedule: Schedule | None = None
+        self._renderer: Renderer | None = None
+        self._film: Film | None = None
+        self._hash = ""
+        self._selected = ""
+        self._shutters: dict[str, Shutter] = {}
+        self._drawn = 0
+
+        self.create_subscription(SceneMessage, "scene", self._on_scene, LATCHED)
+        self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
+        self.create_subscription(String, "camera/select", self._on_select, LATCHED)
+        self.create_service(Trigger, "~/save_image", self._on_save_image)
+        self._tf = self.create_publisher(TFMessage, "tf", QoSProfile(depth=100))
+        self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
+        self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _text(self, name: str, default: str, description: str) -> str:
+        descriptor = ParameterDescriptor(description=description)
+        return str(self.declare_parameter(name, default, descriptor).get_parameter_value().string_value)
+
+    # What ROS brings, in its own thread.
+
+    def _on_scene(self, message: SceneMessage) -> None:
+        with self._changed:
+            self._wanted_scene = message
+            self._changed.notify()
+
+    def _on_tf(self, data: bytes) -> None:
+        try:
+            state = read_transforms(data)
+        except ValueError as error:
+            self.get_logger().warning(f"tf: {error}; left out", throttle_duration_sec=5.0)
+            return
+        with self._changed:
+            if self._schedule is not None:
+                self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
+                self._changed.notify()
+
+    def _on_select(self, message: String) -> None:
+        with self._changed:
+            self._select(message.data)
+
+    def _select(self, name: str) -> None:
+        if self._renderer is None:
+            self._wanted_camera = name
+        elif name in self._shutters:
+            self._selected = self._wanted_camera = name
+        else:
+            known = ", ".join(self._shutters) or "none"
+            self.get_logger().warning(f"camera/select: no camera '{name}'; there are {known}")
+
+    def _on_save_image(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        request = Request()
+        with self._changed:
+            self._requests.append(request)
+            self._changed.notify()
+        if not request.done.wait(ANSWER_WITHIN) or request.image is None:
+            response.message = "nothing to save: no scene with a camera has been drawn yet"
+            return response
+        path = self._image_dir / request.name
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            request.image.save(path)
+        except OSError as error:
+            response.message = f"{path}: {error.strerror}"
+            return response
+        response.success, response.message = True, str(path)
+        return response
+
+    def _report(self) -> None:
+        with self._changed:
+            dropped = 0 if self._schedule is None else self._schedule.dropped
+            values = {"frames drawn": str(self._drawn), "frames dropped": str(dropped), "selected": self._selected}
+            for name, shutter in self._shutters.items():
+                if shutter.drawn:
+                    values[f"ms per frame of {name}"] = f"{1000 * shutter.seconds / shutter.drawn:.2f}"
+                shutter.drawn, shutter.seconds = 0, 0.0
+        status = DiagnosticStatus(name="drone_render: pictures", hardware_id=context.device_name(self._graphics))
+        status.level, status.message = DiagnosticStatus.OK, "drawing" if self._renderer else "waiting for a scene"
+        status.values = [KeyValue(key=key, value=value) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
+
+    # What draws, in the thread that owns the context.
+
+    def run(self) -> None:
+        """Draws until ROS shuts down."""
+        while self.context.ok():
+            with self._changed:
+                now = time.monotonic()
+                wait = None if self._schedule is None else self._schedule.wait(now)
+                if self._wanted_scene is None and not self._requests and wait != 0.0:
+                    self._changed.wait(min(0.1 if wait is None else wait, 0.1))
+                wanted, self._wanted_scene = self._wanted_scene, None
+                requests, self._requests = self._requests, []
+                due = None if self._schedule is None else self._schedule.pop(time.monotonic())
+            if wanted is not None and wanted.hash != self._hash:
+                self._switch(wanted)
+                continue
+            for request in requests:
+                self._answer(request)
+            if due is not None:
+                self._draw(due)
+
+    def close(self) -> None:
+        """Finishes the film with what is left of it, and gives the device back."""
+        until = time.monotonic() + FINISH_WITHIN
+        try:
+            while self._film and self._schedule and time.monotonic() < until and (due := self._schedule.pop(np.inf)):
+                due.live = False
+                self._draw(due)
+            if self._film is not None:
+                self._film.close()
+                print(f"drone_render: {self._film.frames} pictures in {self._film.path}", flush=True)
+        except FilmError as error:
+            print(f"drone_render: {error}", flush=True)
+        if self._renderer is not None:
+            self._renderer.release()
+        self._graphics.release()
+
+    def _switch(self, message: SceneMessage) -> None:
+        """Changes to the scene of a message; if it cannot be drawn, the old one stays."""
+        try:
+            scene = scenes.load(message.uri)
+            renderer = Renderer(scene, self._graphics)
+        except ValueError as error:
+            self.get_logger().error(f"scene: {error}")
+            return
+        old, self._renderer, self._hash = self._renderer, renderer, message.hash
+        if old is not None:
+            old.release()
+        film = float(self._film_rate) if self._film_path else None
+        hierarchy = renderer.hierarchy
+        for shutter in self._shutters.values():
+            self.destroy_publisher(shutter.image_publisher)
+            self.destroy_publisher(shutter.info_publisher)
+        with self._changed:
+            self._schedule = Schedule(hierarchy.names, hierarchy.start, scene.rates.physics, scene.rates.draw, film)
+            self._shutters = {name: self._shutter(name, camera) for name, camera in scene.cameras.items()}
+            self._selected = next(iter(self._shutters), "")
+            if self._wanted_camera:
+                self._select(self._wanted_camera)
+        self._publish_rigid(scene)
+        self.get_logger().info(f"scene {scene.name}: cameras {', '.join(scene.cameras) or 'none'}")
+
+    def _shutter(self, name: str, camera: scenes.Camera) -> Shutter:
+        frame = f"{name}_optical"
+        return Shutter(
+            Picture(camera.size, frame),
+            camera_info(camera, frame),
+            self.create_publisher(Image, f"camera/{name}/image_raw", qos_profile_sensor_data),
+            self.create_publisher(CameraInfo, f"camera/{name}/camera_info", qos_profile_sensor_data),
+            transforms([("world", name, view.ORIGIN)]) if view.turns(camera) else None,
+        )
+
+    def _publish_rigid(self, scene: scenes.Scene) -> None:
+        """Says once how cameras hang on their parents, and their optical frames on them."""
+        rigid: list[tuple[str, str, Array]] = []
+        for name, camera in scene.cameras.items():
+            if not view.turns(camera):
+                rigid.append((camera.parent or "world", name, view.pose(camera.pose)))
+            rigid.append((name, f"{name}_optical", view.OPTICAL))
+        self._tf_static.publish(bytes(transforms(rigid)))
+
+    def _draw(self, due: Due) -> None:
+        poses = due.moment.poses()
+        for name in self._wanted(due):
+            shutter = self._shutters[name]
+            self._take(name, shutter, poses, due.moment.stamp, due.live)
+            if due.film and name == self._selected:
+                self._expose(shutter.picture)
+
+    def _wanted(self, due: Due) -> Iterator[str]:
+        for name, shutter in self._shutters.items():
+            if (due.film and name == self._selected) or (due.live and shutter.watched()):
+                yield name
+
+    def _take(self, name: str, shutter: Shutter, poses: Array, stamp: int, live: bool) -> None:
+        """Draws one picture and, if it is live, publishes it."""
+        assert self._renderer is not None
+        start = time.perf_counter()
+        place = self._renderer.draw(name, poses, stamp / SECOND, shutter.picture)
+        shutter.seconds += time.perf_counter() - start
+        shutter.drawn += 1
+        self._drawn += 1
+        if not live:
+            return
+        if shutter.moving is not None:
+            shutter.moving.stamp(stamp)
+            shutter.moving.write("pose", view.pose_of(place))
+            self._tf.publish(bytes(shutter.moving))
+        shutter.info.stamp(stamp)
+        shutter.info_publisher.publish(bytes(shutter.info))
+        shutter.image_publisher.publish(shutter.picture.message(stamp))
+
+    def _expose(self, picture: Picture) -> None:
+        """Adds a picture to the film, whose size is that of its first one."""
+        size = picture.width, picture.height
+        pixels = picture.pixels()
+        try:
+            if self._film is None:
+                self._film = Film(Path(self._film_path), size, self._film_rate)
+            if size != self._film.size:
+                pixels = PillowImage.frombytes("RGB", size, pixels).resize(self._film.size).tobytes()
+            self._film.add(pixels)
+        except FilmError as error:
+            self.get_logger().error(f"film: {error}; no film is made")
+            self._film_path, self._film = "", None
+            with self._changed:
+                if self._schedule is not None:
+                    self._schedule.end_film()
+
+    def _answer(self, request: Request) -> None:
+        """Draws the latest state for whoever waits."""
+        if self._schedule is not None and self._selected:
+            with self._changed:
+                state, name = self._schedule.history.latest, self._selected
+            picture = self._shutters[name].picture
+            self._take(name, self._shutters[name], state.poses, state.stamp, live=False)
+            request.image = PillowImage.frombytes("RGB", (picture.width, picture.height), picture.pixels())
+            request.name = f"{name}_{state.stamp / SECOND:.3f}.png"
+        request.done.set()
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    try:
+        node = RenderNode()
+    except context.ContextError as error:
+        rclpy.try_shutdown()
+        sys.exit(f"drone_render: {error}")
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    threading.Thread(target=_spin, args=(executor,), name="ros", daemon=True).start()
+    try:
+        node.run()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.close()
+        rclpy.try_shutdown()
+
+
+def _spin(executor: SingleThreadedExecutor) -> None:
+    try:
+        executor.spin()
+    except ExternalShutdownException:
+        pass
+
+
+if __name__ == "__main__":
+    main()

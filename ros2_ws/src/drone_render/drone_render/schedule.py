@@ -1,0 +1,76 @@
+"""When to draw what: live pictures evenly in wall time, films without a gap."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drone_render.history import SECOND, History, Moment, Timetable
+from drone_render.view import Array
+
+PAUSE = 0.25  # s; a longer wait for a state is no pace but a pause
+
+
+@dataclass
+class Due:
+    """A moment to draw from the wall time `at`, in s, on: for those who watch, for the film, or for both."""
+
+    moment: Moment
+    at: float
+    live: bool
+    film: bool
+
+
+class Schedule:
+    """Turns states that arrive into moments to draw. Rates in Hz; film None for no film.
+
+    The stamps between two states are due when the later one arrives, and spread over the time until the next.
+    """
+
+    def __init__(
+        self, names: Sequence[str], start: Array, physics: float, live: float, film: float | None = None
+    ) -> None:  # fmt: skip
+        self.history = History(names, start)
+        self.dropped = 0
+        self._live = Timetable(live)
+        self._film = None if film is None else Timetable(film)
+        self._due: deque[Due] = deque()
+        self._late = 2 * SECOND / min(physics, live)  # ns; what is older is not worth watching
+        self._arrived: float | None = None
+        self._pace = 1 / physics  # s of wall time between two states
+
+    def push(self, stamp: int, children: Sequence[str], poses: Array, now: float) -> None:
+        """Takes the poses of objects at `stamp` in ns, which arrived at the wall time `now` in s."""
+        states = self.history.push(stamp, children, poses)
+        if self._arrived is not None and now - self._arrived < PAUSE:
+            self._pace += 0.1 * (now - self._arrived - self._pace)
+        self._arrived = now
+        if states is None:
+            return
+        before, after = states
+        live = set(self._live.due(before.stamp, after.stamp))
+        film = set() if self._film is None else set(self._film.due(before.stamp, after.stamp))
+        stamps = sorted(live | film)
+        for i, due in enumerate(stamps):
+            at = now + self._pace * i / len(stamps)
+            self._due.append(Due(Moment(due, before, after), at, due in live, due in film))
+
+    def end_film(self) -> None:
+        """No more moments for a film."""
+        self._film = None
+        for due in self._due:
+            due.film = False
+
+    def wait(self, now: float) -> float | None:
+        """How long until something is due, in s; None if nothing is known to be."""
+        return max(self._due[0].at - now, 0.0) if self._due else None
+
+    def pop(self, now: float) -> Due | None:
+        """The next moment that is due. Live ones that are too late are dropped and counted, film is never."""
+        while self._due and self._due[0].at <= now:
+            due = self._due.popleft()
+            if due.live and self.history.latest.stamp - due.moment.stamp > self._late:
+                due.live = False
+                self.dropped += 1
+            if due.live or due.film:
+                return due
+        return None
