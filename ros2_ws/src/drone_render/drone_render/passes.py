@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 from drone_sim.assets import asset_path
-from drone_sim.mesh import Material, Model, Part
+from drone_sim.mesh import Model, Part
 from drone_sim.scene import Render, Sky, Water
 
 from drone_render.context import Device, packed, write
@@ -17,6 +17,7 @@ from drone_render.geometry import tangents
 from drone_render.shaders import Variant
 from drone_render.view import Array
 
+FAINT = 0.05  # a highlight that reflects less is not seen, so it is not computed
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m
 WAVE_HEADINGS = np.array([0.4, -0.5, 1.3, -1.6])  # rad
@@ -68,21 +69,22 @@ class Surface:
 
     def __init__(self, device: Device, part: Part, render: Render) -> None:
         material = part.material
+        normal_map = material.normal_map if render.normal_mapping is not None else None
         self._device = device
         self._material = material
-        self._normal_map = render.normal_mapping is not None and material.normal_map is not None
-        self._maps = {"colour_map": material.colour_map, "normal_map": material.normal_map if self._normal_map else None}
-        self._specular = render.specular is not None and any(material.specular)
+        self._maps = {"colour_map": material.colour_map, "normal_map": normal_map}
+        self._specular = render.specular is not None and max(material.specular) >= FAINT
         self._attributes = [
             (device.buffer(part.vertices), "3f", "position"),
             (device.buffer(part.normals), "3f", "normal"),
         ]
         if any(self._maps.values()):
             self._attributes.append((device.buffer(part.uv), "2f", "uv"))
-        if self._normal_map:
+        if normal_map is not None:
             self._attributes.append((device.buffer(tangents(part)), "4f", "tangent"))
         self._index = device.buffer(part.faces)
-        self._draws: dict[int, moderngl.VertexArray] = {}
+        self._arrays: dict[int, moderngl.VertexArray] = {}
+        self.textures = tuple(device.texture(path) for path in self._maps.values() if path is not None)
 
     def variant(self, lights: int) -> Variant:
         """The program that draws this with so many lights."""
@@ -90,31 +92,27 @@ class Surface:
             "solid",
             LIGHTS=lights,
             UV=any(self._maps.values()),
-            TEXTURED=self._material.colour_map is not None,
-            NORMAL_MAP=self._normal_map,
+            TEXTURED=self._maps["colour_map"] is not None,
+            NORMAL_MAP=self._maps["normal_map"] is not None,
             EMISSIVE=any(self._material.emission),
             SPECULAR=squarings(self._material.shininess) if self._specular else False,
         )
 
-    def draw(self, model: bytes, lights: Lights, chosen: npt.NDArray[np.intp]) -> None:
-        """Draws it at a matrix that is packed already, lit by the chosen lights."""
-        count = len(chosen)
-        if count not in self._draws:
-            program = self._device.program(self.variant(count))
-            self._draws[count] = self._device.vertex_array(program, self._attributes, self._index)
-        array = self._draws[count]
-        program = array.program
-        program["model"].write(model)  # type: ignore[union-attr]
-        if count:
-            program["light_position"].write(lights.positions[chosen].tobytes())  # type: ignore[union-attr]
-            program["light_colour"].write(lights.colours[chosen].tobytes())  # type: ignore[union-attr]
+    def array(self, lights: int) -> moderngl.VertexArray:
+        """What to draw with so many lights."""
+        if lights not in self._arrays:
+            program = self._device.program(self.variant(lights))
+            self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
+        return self._arrays[lights]
+
+    def paint(self, program: moderngl.Program) -> None:
+        """Gives the program this material and these textures."""
         material = self._material
         write(program, colour=material.colour, specular=material.specular, emission=material.emission)
-        for unit, (name, path) in enumerate(self._maps.items()):
-            if path is not None:
-                program[name] = unit
-                self._device.texture(path).use(unit)
-        array.render()
+        for unit, texture in enumerate(self.textures):
+            texture.use(unit)
+        for unit, name in enumerate(name for name, path in self._maps.items() if path is not None):
+            program[name] = unit
 
 
 def squarings(shininess: float) -> int:
@@ -123,7 +121,7 @@ def squarings(shininess: float) -> int:
 
 
 class SolidPass:
-    """All that is neither water nor sky. Equal models are on the device once."""
+    """All that is neither water nor sky. Equal models are on the device once, and equal states are set once."""
 
     def __init__(self, device: Device, render: Render, models: Sequence[Model]) -> None:
         self._device = device
@@ -134,14 +132,43 @@ class SolidPass:
                 made[model.path] = [Surface(device, part, render) for part in model.parts]
         self.surfaces = [made[model.path] for model in models]
         """Of each object, in the scene's order."""
+        # Drawing in this order changes programs and textures least, which costs the driver more than a draw.
+        kinds = {surface: (str(surface.variant(0)), str(surface.textures)) for parts in made.values() for surface in parts}
+        self._rank = {surface: i for i, surface in enumerate(sorted(kinds, key=kinds.__getitem__))}
 
-    def begin(self, frame: Frame) -> None:
-        """Tells all programs about the picture that is drawn next."""
-        matrix = packed(frame.view_projection.T)
+    def draw(
+        self, frame: Frame, rows: Sequence[int], last: Sequence[int], matrices: npt.NDArray[np.float32],
+        lights: Lights, chosen: Sequence[npt.NDArray[np.intp]],
+    ) -> None:  # fmt: skip
+        """Draws objects by their rows, near ones first, and then `last`, what surrounds the camera.
+
+        matrices: (n, 4, 4), transposed; chosen: of each object, which lights it is lit by.
+        """
+        view_projection = packed(frame.view_projection.T)
         for variant, program in self._device.programs.items():
             if variant.name == "solid":
-                program["view_projection"].write(matrix)  # type: ignore[union-attr]
+                program["view_projection"].write(view_projection)  # type: ignore[union-attr]
                 write(program, ambient=self._ambient, eye=frame.eye)
+        for group in (rows, last):
+            draws = [(self._rank[surface], i, row, surface) for i, row in enumerate(group) for surface in self.surfaces[row]]
+            self._draw_sorted(sorted(draws), matrices, lights, chosen)
+
+    def _draw_sorted(
+        self, draws: list[tuple[int, int, int, Surface]], matrices: npt.NDArray[np.float32],
+        lights: Lights, chosen: Sequence[npt.NDArray[np.intp]],
+    ) -> None:  # fmt: skip
+        painted: dict[int, Surface] = {}
+        for _, _, row, surface in draws:
+            array = surface.array(len(chosen[row]))
+            program = array.program
+            program["model"].write(matrices[row].tobytes())  # type: ignore[union-attr]
+            if len(chosen[row]):
+                program["light_position"].write(lights.positions[chosen[row]].tobytes())  # type: ignore[union-attr]
+                program["light_colour"].write(lights.colours[chosen[row]].tobytes())  # type: ignore[union-attr]
+            if painted.get(program.glo) is not surface or len(painted) > 1:
+                surface.paint(program)
+                painted = {program.glo: surface}
+            array.render()
 
 
 class WaterPass:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from typing import Self
 
 import moderngl
 import numpy as np
@@ -9,7 +10,7 @@ from drone_sim import mesh
 from drone_sim.scene import Scene
 
 from drone_render import view
-from drone_render.context import Device, packed
+from drone_render.context import Device
 from drone_render.geometry import sphere
 from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
 from drone_render.image import Picture
@@ -37,7 +38,7 @@ class Renderer:
             self.release()
             raise
 
-    def __enter__(self) -> "Renderer":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -78,14 +79,15 @@ class Renderer:
         if camera is None:
             return
         self._begin(camera.size)
-        lights = self._lights(self.hierarchy.world(self.hierarchy.start))
-        seen = set()
         for row, surfaces in enumerate(self._solid.surfaces):
             for surface in surfaces:
                 for count in range(min(int(self._lighting.lit[row].sum()), LIGHTS) + 1):
-                    if not self._is_water[row] and surface.variant(count) not in seen:
-                        seen.add(surface.variant(count))
-                        surface.draw(packed(np.eye(4)), lights, np.arange(count))
+                    variant = surface.variant(count)
+                    if not self._is_water[row] and variant not in self._device.programs:
+                        array = surface.array(count)
+                        surface.paint(array.program)
+                        array.program["view_projection"] = array.program["model"] = tuple(np.eye(4).ravel())
+                        array.render()
         for name in self.scene.cameras:
             self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
 
@@ -105,7 +107,6 @@ class Renderer:
             time, place, clip, (half, half * camera.size[1] / camera.size[0]), 2 * half / camera.size[0], sun
         )  # fmt: skip
         target = self._begin(camera.size)
-        self._solid.begin(frame)
         self._draw_objects(frame, world, lights)
         if self._sky is not None:
             self._sky.draw(frame)
@@ -131,18 +132,16 @@ class Renderer:
         centres = np.einsum("nij,nj->ni", world[:, :3, :3], self._centres) + world[:, :3, 3]
         planes = view.frustum(frame.view_projection)
         inside = centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]
-        # Front to back hides the most; what surrounds everything, such as the ground, comes late.
-        order = np.argsort(np.linalg.norm(centres - frame.eye, axis=1) + self._radii, kind="stable")
+        # Front to back hides the most; what surrounds the camera, such as the ground, comes last.
+        away = np.linalg.norm(centres - frame.eye, axis=1)
+        order = [int(row) for row in np.argsort(away, kind="stable") if inside[row].all()]
+        near = [row for row in order if not self._is_water[row] and away[row] > self._radii[row]]
+        around = [row for row in order if not self._is_water[row] and away[row] <= self._radii[row]]
         chosen = self._lighting.strongest(lights.positions[:, :3].astype(np.float64), centres, self._radii)
         matrices = np.ascontiguousarray(world.transpose(0, 2, 1), dtype=np.float32)
-        visible = [int(row) for row in order if inside[row].all()]
-        for row in visible:
-            if not self._is_water[row]:
-                matrix = matrices[row].tobytes()
-                for surface in self._solid.surfaces[row]:
-                    surface.draw(matrix, lights, chosen[row])
+        self._solid.draw(frame, near, around, matrices, lights, chosen)
         if self._water is not None:
             self._water.begin(frame)
-            for row in visible:
+            for row in order:
                 if self._is_water[row]:
                     self._water.draw(self._models[row], matrices[row].tobytes())
