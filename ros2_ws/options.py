@@ -47,7 +47,7 @@ def _make_parser() -> _Parser:
     keep.add_argument("--storage", choices=("mcap", "sqlite3"), default="mcap", help="the bag's format (%(default)s)")
     keep.add_argument("--record-topics", nargs="+", metavar="TOPIC", help="record these topics only (all)")
     keep.add_argument("--film", type=Path, metavar="FILE", help="film the run, as .mp4 or .gif")
-    keep.add_argument("--camera", metavar="NAME", help="the camera that is filmed and saved at first (the scene's first)")
+    keep.add_argument("--camera", metavar="NAME", help="camera that is filmed and saved at first (the scene's first)")
     keep.add_argument("--log-dir", type=Path, default=Path("out/log"), metavar="DIR",
                       help="all that the nodes say, one file a node (%(default)s)")
 

@@ -81,7 +81,8 @@ def main() -> int:
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, terminal)
 
     saved = recover(options.record) if "drone_recorder" in supervisor.died else ""
-    print(f"ran for {time.monotonic() - start:.1f} s" + (f"; died: {', '.join(supervisor.died)}" if supervisor.died else ""))
+    deaths = f"; died: {', '.join(supervisor.died)}" if supervisor.died else ""
+    print(f"ran for {time.monotonic() - start:.1f} s{deaths}")
     kept = {"log": options.log_dir, "bag": options.record, "film": options.film}
     print("  ".join(f"{what}: {path}" for what, path in kept.items() if path) + (f"  ({saved})" if saved else ""))
     return 1 if supervisor.died else 0

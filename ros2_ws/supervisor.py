@@ -104,7 +104,7 @@ class Supervisor:
             stdout=None if own else subprocess.PIPE,
             stderr=None if own else subprocess.STDOUT,
             start_new_session=not own,  # else Ctrl-C would reach it twice: from the terminal and from here
-            preexec_fn=_end_with_parent,  # noqa: PLW1509  there is one thread only
+            preexec_fn=_end_with_parent,  # there is one thread only
         )
         running = _Running(program, process, (self._log_dir / f"{program.name}.log").open("wb"))
         self._running[program.name] = running

@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterator
 from itertools import cycle
 from pathlib import Path
 
-import domain_coordinator  # type: ignore[import-untyped]
+import domain_coordinator
 import pytest
 
 os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
@@ -47,6 +47,14 @@ def graph(domain_id: int, spawn: Spawn) -> Iterator[Graph]:
     """A node of the test itself in the domain of the processes; see live.Graph."""
     with Graph(domain_id, spawn.processes) as graph:
         yield graph
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """What ended in an earlier test is no business of this one."""
+    processes = item.config.stash.get(_RUNNING, [])
+    for process in [process for process in processes if process.ended()]:
+        process.kill()  # what it may have left behind
+        processes.remove(process)
 
 
 @pytest.hookimpl(wrapper=True)

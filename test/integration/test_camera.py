@@ -7,6 +7,7 @@ import pytest
 from geometry_msgs.msg import Twist, Vector3
 from live import Graph, Spawn
 from numpy.typing import NDArray
+from PIL import Image as PillowImage
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
@@ -15,9 +16,9 @@ MEADOW = Path(__file__).with_name("meadow.yaml")
 
 
 @pytest.fixture(scope="module", autouse=True)
-def nodes(spawn: Spawn) -> None:
+def nodes(spawn: Spawn, tmp_path_factory: pytest.TempPathFactory) -> None:
     spawn("drone_sim.sim_node", scene=MEADOW)
-    spawn("drone_render.render_node", use_sim_time=True)
+    spawn("drone_render.render_node", use_sim_time=True, image_dir=tmp_path_factory.mktemp("images"))
 
 
 def picture(image: Image) -> NDArray[np.uint8]:
@@ -63,6 +64,6 @@ def test_the_picture_changes_as_the_drone_flies(graph: Graph) -> None:
 def test_a_picture_is_saved_on_request(graph: Graph) -> None:
     answer = graph.call(Trigger, "drone_render/save_image", Trigger.Request())
     assert answer.success, answer.message
-    path = Path(answer.message)
-    assert path.read_bytes().startswith(b"\x89PNG")
-    path.unlink()
+    with PillowImage.open(answer.message) as saved:
+        assert saved.format == "PNG"
+        assert saved.size == (640, 480)

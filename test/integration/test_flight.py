@@ -113,7 +113,7 @@ def test_pushes_the_television_and_is_pushed_back(
     with graph.repeating(commands, FAST):
         graph.wait_for(lambda: CollisionEvent.PERSIST in phases(), "the drone to meet the television")
         graph.wait_for(lambda: television[-1].pose.position.x > start.x + 0.02, "the television to move")
-        graph.wait_for(lambda: any(message.twist.twist.linear.x < -0.1 for message in flown), "the drone to be pushed back")
+        graph.wait_for(lambda: min(message.twist.twist.linear.x for message in flown) < -0.1, "the push back")
     with graph.repeating(commands, BACK):
         graph.wait_for(lambda: CollisionEvent.END in phases(), "the drone to let go")
     met = next(meetings("pusher", "television"))

@@ -85,7 +85,8 @@ def test_a_signal_ends_all_once(supervise: Supervise, number: signal.Signals) ->
 
 
 def test_death_is_named_with_its_last_lines_and_the_others_go_on(supervise: Supervise) -> None:
-    process = supervise(f"sim|leads|{WAITS}", "other||print('first'); 1 / 0", "third||import os; os.kill(os.getpid(), 9)")
+    killed = "import os; os.kill(os.getpid(), 9)"
+    process = supervise(f"sim|leads|{WAITS}", "other||print('first'); 1 / 0", f"third||{killed}")
     wait_for_output(process, "other died with exit status 1; its last lines:")
     wait_for_output(process, "third was ended by SIGKILL; it had said nothing")
     wait_for_output(process, "sim   | up")
@@ -132,7 +133,7 @@ def test_programs_end_although_the_supervisor_is_killed(supervise: Supervise, tm
     process.wait()
     deadline = time.monotonic() + DEADLINE
     # The pipe has no reader any more: the program's last words do not arrive, but it hears of the end.
-    while [pid for pid in os.listdir("/proc") if pid.isdigit() and _runs(pid, WAITS)]:
+    while any(_runs(entry, WAITS) for entry in Path("/proc").iterdir()):
         assert time.monotonic() < deadline
         time.sleep(0.02)
 
@@ -163,8 +164,8 @@ def _read_terminal(terminal: int) -> bytes:
         return b""
 
 
-def _runs(pid: str, code: str) -> bool:
+def _runs(entry: Path, code: str) -> bool:
     try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes().endswith(f"-uc\0{code}\0".encode())
+        return (entry / "cmdline").read_bytes().endswith(f"-uc\0{code}\0".encode())
     except OSError:
         return False
