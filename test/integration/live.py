@@ -30,7 +30,7 @@ class NodeProcess:
     def __init__(self, name: str, command: list[str], environment: dict[str, str]) -> None:
         self.name = name
         self.ended_by_test = False
-        self._log = tempfile.TemporaryFile()  # noqa: SIM115  (a file, unlike a pipe, is never full)
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 - a file, unlike a pipe, is never full
         self._process = subprocess.Popen(
             command, env=environment, start_new_session=True,
             stdin=subprocess.DEVNULL, stdout=self._log, stderr=subprocess.STDOUT,

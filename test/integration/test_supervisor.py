@@ -22,7 +22,7 @@ def program(text):
     return Program(name, [sys.executable, "-uc", code], terminal=kind == "terminal", leads=kind == "leads")
 supervisor = Supervisor([program(text) for text in programs], pathlib.Path(log_dir))
 supervisor.run(float(alone_for))
-print("died:", supervisor.died)
+print("died:", sorted(supervisor.died))
 """
 WAITS = """
 import signal, time
