@@ -5,7 +5,6 @@ import math
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene
-from drone_sim.scene import Flight, Patrol, SceneError, load
 from geometry_msgs.msg import Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
@@ -17,9 +16,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
+from drone_sim.scene import Flight, Patrol, SceneError, load
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # type: ignore[no-untyped-call]
-NEWEST = QoSProfile(depth=1)  # type: ignore[no-untyped-call]
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NEWEST = QoSProfile(depth=1)
 
 
 class Seat:
@@ -93,7 +93,7 @@ class AiNode(Node):
         try:
             scene = load(message.uri)
         except SceneError as error:
-            self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
+            self.get_logger().error(str(error))
             return
         self._seats = [
             Seat(self, name, thing.patrol, thing.flight, self._hold_timeout)
@@ -102,7 +102,7 @@ class AiNode(Node):
         ]
         names = ", ".join(seat.drone for seat in self._seats)
         text = f"{scene.name}: flying {names}" if names else f"{scene.name}: no object has a patrol"
-        self.get_logger().info(text)  # type: ignore[no-untyped-call]
+        self.get_logger().info(text)
 
     def _diagnose(self) -> None:
         diagnostics = DiagnosticArray(status=[_status(seat) for seat in self._seats])
@@ -154,7 +154,7 @@ def main(args: list[str] | None = None) -> None:
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        rclpy.try_shutdown()  # type: ignore[attr-defined]
+        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

@@ -4,9 +4,10 @@ import math
 from collections.abc import Callable, Iterator
 
 import pytest
-from drone_ai.pilot import ARRIVED, FARTHEST, PATIENCE, TRIES, Observation, Pilot, Point, State
 from hypothesis import given
 from hypothesis import strategies as st
+
+from drone_ai.pilot import ARRIVED, FARTHEST, PATIENCE, TRIES, Observation, Pilot, Point, State
 
 STEP = 1.0 / 30.0
 ACCELERATION = 8.0
@@ -73,7 +74,8 @@ def test_it_climbs_straight_up_and_flies_to_every_waypoint_in_turn() -> None:
     world = World(Pilot(SQUARE))
     visited: list[int] = []
     world.run_until(lambda: world.pilot.state is State.PATROL)
-    assert world.position[:2] == (0.0, 0.0) and world.position[2] > SQUARE[0][2] - 2 * ARRIVED
+    assert world.position[:2] == (0.0, 0.0)
+    assert world.position[2] > SQUARE[0][2] - 2 * ARRIVED
     for _ in world.run(60.0):
         near = [i for i, waypoint in enumerate(SQUARE) if math.dist(world.position, waypoint) < ARRIVED + 0.05]
         if near and near != visited[-1:]:
@@ -101,7 +103,8 @@ def test_it_flies_no_lower_than_the_least_height_though_waypoints_do() -> None:
     world.step()
     world.step()
     assert world.pilot.state is State.CLIMBING
-    assert world.command[:2] == (0.0, 0.0) and world.command[2] > 0.0
+    assert world.command[:2] == (0.0, 0.0)
+    assert world.command[2] > 0.0
 
 
 def test_it_lands_while_held_stays_and_resumes_where_it_left() -> None:
@@ -121,7 +124,8 @@ def test_it_lands_while_held_stays_and_resumes_where_it_left() -> None:
     assert all(speed < 0.5 for height, speed in speeds if height < 0.3)
     for _ in world.run(5.0):
         assert world.command == (0.0, 0.0, 0.0)
-        assert world.pilot.state is State.LANDED and world.position[2] == 0.0
+        assert world.pilot.state is State.LANDED
+        assert world.position[2] == 0.0
     world.held = False
     ground = world.position[:2]
     world.run_until(lambda: world.pilot.state is State.PATROL)

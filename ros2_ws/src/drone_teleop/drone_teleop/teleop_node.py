@@ -29,8 +29,8 @@ from drone_teleop.terminal import Keyboard
 KEY_PERIOD = 0.02  # s between two looks at the keyboard
 HOLD_PERIOD = 0.1
 STATUS_PERIOD = 0.2
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # type: ignore[no-untyped-call]
-NEWEST = QoSProfile(depth=1)  # type: ignore[no-untyped-call]
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NEWEST = QoSProfile(depth=1)
 
 
 class TeleopNode(Node):
@@ -52,7 +52,7 @@ class TeleopNode(Node):
             latch=self._flag("latch", False, "moving keys count until another key, not until they are let go"),
         )
         self._cameras: list[str] = []
-        self._camera = ""
+        self._camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
         self._position: tuple[float, float, float] | None = None
         self._hit = ""
         self._ai_state = ""
@@ -119,8 +119,7 @@ class TeleopNode(Node):
         if not self._cameras:
             self._screen.say("no cameras: the scene is not here yet, or has none")
             return
-        index = self._cameras.index(self._camera) + 1 if self._camera in self._cameras else 0
-        self._camera = self._cameras[index % len(self._cameras)]
+        self._camera = self._cameras[(self._cameras.index(self._camera) + 1) % len(self._cameras)]
         self._select.publish(String(data=self._camera))
 
     def _ask(self, client: Any, request: Any, answered: Any) -> None:
@@ -134,8 +133,11 @@ class TeleopNode(Node):
         self._screen.say(f"saved {answer.message}" if answer.success else f"no picture: {answer.message}")
 
     def _was_reset(self, answer: ResetSimulation.Response) -> None:
-        done = answer.result.result == Result.RESULT_OK
-        self._screen.say("started over" if done else f"not started over: {answer.result.error_message}")
+        if answer.result.result == Result.RESULT_OK:
+            self._hit = ""
+            self._screen.say("started over")
+        else:
+            self._screen.say(f"not started over: {answer.result.error_message}")
 
     def _was_paused(self, answer: SetSimulationState.Response) -> None:
         # Somebody else may have paused or continued; then this key's next press does what it says.
@@ -147,11 +149,13 @@ class TeleopNode(Node):
     def _on_scene(self, scene: Scene) -> None:
         self._cameras = list(scene.cameras)
         self._hit = ""
+        self._paused = False
         if self._camera not in self._cameras:
-            self._camera = ""
+            self._camera = next(iter(self._cameras), "")
 
     def _on_camera(self, selected: String) -> None:
-        self._camera = selected.data
+        if not self._cameras or selected.data in self._cameras:
+            self._camera = selected.data
 
     def _on_odometry(self, odometry: Odometry) -> None:
         position = odometry.pose.pose.position
@@ -240,7 +244,7 @@ def main(args: list[str] | None = None) -> int:
     except (KeyboardInterrupt, EOFError):
         pass
     finally:
-        rclpy.try_shutdown()  # type: ignore[attr-defined]
+        rclpy.try_shutdown()
     return 0
 
 

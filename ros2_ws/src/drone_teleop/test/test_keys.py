@@ -1,9 +1,10 @@
 """What keys mean and when they count as held; the clock is the test's."""
 
 import pytest
-from drone_teleop.keys import ACTIONS, GROUND, HELP, MOVES, SPEED_RANGE, SPEEDS, Action, Hand, Held
 from hypothesis import given
 from hypothesis import strategies as st
+
+from drone_teleop.keys import ACTIONS, GROUND, HELP, MOVES, SPEED_RANGE, SPEEDS, Action, Hand, Held
 
 STOP = (0.0, 0.0, 0.0, 0.0)
 
@@ -134,9 +135,11 @@ def test_release_lets_go_of_everything() -> None:
     hand = Hand(latch=True)
     hand.press("i", 0.0)
     hand.press(GROUND, 0.0)
-    assert hand.velocity(0.0) != STOP and hand.grounds(0.0)
+    assert hand.velocity(0.0) != STOP
+    assert hand.grounds(0.0)
     hand.release()
-    assert hand.velocity(0.0) == STOP and hand.grounds(0.0) is False
+    assert hand.velocity(0.0) == STOP
+    assert hand.grounds(0.0) is False
 
 
 @given(st.lists(st.sampled_from([*MOVES, *SPEEDS, *ACTIONS, GROUND, "k"])))
