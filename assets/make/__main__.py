@@ -10,8 +10,11 @@ from make.obj import write_model
 from make.textures import MAKERS, write_texture
 
 ASSETS = Path(__file__).resolve().parent.parent
-MODELS = {name: maker for subject in (drones, people, furniture, buildings, vehicles, nature)
-          for name, maker in subject.MODELS.items()}
+MODELS = {
+    name: maker
+    for subject in (drones, people, furniture, buildings, vehicles, nature)
+    for name, maker in subject.MODELS.items()
+}
 
 
 def build(models: Path, textures: Path, names: list[str]) -> None:
@@ -31,14 +34,19 @@ def build(models: Path, textures: Path, names: list[str]) -> None:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(prog="make", description=__doc__)
-    parser.add_argument("names", nargs="*", choices=[*MAKERS, *MODELS, []], metavar="NAME",
-                        help=f"which: {', '.join([*MAKERS, *MODELS])}")
+    parser.add_argument(
+        "names",
+        nargs="*",
+        choices=[*MAKERS, *MODELS, []],
+        metavar="NAME",
+        help=f"which: {', '.join([*MAKERS, *MODELS])}",
+    )
     parser.add_argument("--into", type=Path, default=ASSETS, help="folder that has models/ and textures/")
     arguments = parser.parse_args()
     folders = [arguments.into / kind for kind in ("models", "textures")]
     for folder in folders:
         folder.mkdir(parents=True, exist_ok=True)
-    build(*folders, arguments.names)
+    build(folders[0], folders[1], arguments.names)
 
 
 if __name__ == "__main__":

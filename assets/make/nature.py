@@ -7,6 +7,13 @@ from make.shapes import Array, Model, Part, ball, circle, surface, tube
 SQUARE = 7.0  # m, radius of the paved square in the middle
 PLATEAU = 45.0  # m, how far the flat land reaches at least
 SEA = -0.35  # m, height of the water
+CURB = 0.35  # m, how wide the stones around the square are
+STRIP = 7.0  # m from the coast, where the meadow ends
+STEP = 2 * np.pi / 96
+ANGLES = np.arange(96, dtype=np.float64) * STEP
+PATH_WIDTH = 2.0
+# Headings, as multiples of the step, and how far the paths reach from the middle; None is to the beach.
+PATHS = ((24 * STEP, 10.6), (89 * STEP, 15.4), (65 * STEP, 16.6), (5.5 * STEP, 34.5), (51 * STEP, None))
 
 
 def coast(angle: Array) -> Array:
@@ -16,28 +23,71 @@ def coast(angle: Array) -> Array:
 
 
 def island() -> Model:
-    """Flat land at z = 0: a paved square, a meadow, a strip where the meadow ends; then a beach into the sea."""
-    count = 96
-    angle = np.arange(count) * (2 * np.pi / count)
-    ring, edge = circle(count), coast(angle)[:, None]
-
-    def row(distance: float | Array, z: float = 0.0) -> Array:
-        return np.column_stack([ring * distance, np.full(count, z)])
-
-    paving = surface([row(SQUARE), row(0.6 * SQUARE), row(0.2 * SQUARE)], "cobbles", closed=True, caps=(False, True))
-    curb = surface([row(SQUARE + 0.35), row(SQUARE + 0.35, 0.03), row(SQUARE, 0.03), row(SQUARE)], "stone",
-                   closed=True, crease=0.3)
-    meadow = surface([row(edge - 7.0), row(SQUARE + (edge - 7.0 - SQUARE) * 0.5), row(SQUARE)], "grass", closed=True)
-    rows = [row(edge - 2.0), row(edge - 7.0)]
-    strip = surface(rows, "shore", closed=True)
-    around = np.round(2 * np.pi * PLATEAU / 5.0) * 5.0
-    turn = np.arctan2(strip.corners[..., 1], strip.corners[..., 0]) % (2 * np.pi)
-    turn = np.where((turn < 1.0) & (turn.max(axis=1, keepdims=True) > 5.0), turn + 2 * np.pi, turn)
-    outer = np.isclose(np.linalg.norm(strip.corners[..., :2], axis=2), coast(turn) - 2.0, atol=1e-6)
-    strip = Part(strip.corners, np.stack([turn / (2 * np.pi) * around, np.where(outer, 0.04, 4.96)], axis=-1), "shore")
+    """Flat land at z = 0: a paved square, a meadow with paths, a strip where the meadow ends; then a beach."""
+    edge = coast(ANGLES)
+    rings = [_bent(np.full(len(ANGLES), radius)) for radius in (SQUARE + CURB, SQUARE, 0.2 * SQUARE)]
+    paving = surface(rings[1:], "cobbles", closed=True, caps=(False, True))
+    curb = surface(rings[:2], "stone", closed=True)
     slope = [(0.0, 0.0), (2.0, -0.06), (4.5, -0.22), (7.0, -0.45), (10.0, -0.9), (16.0, -2.2)]
-    beach = surface([row(edge + out, z) for out, z in slope[::-1]] + [row(edge - 2.0)], "sand", closed=True)
-    return [paving.boxed(), curb.boxed(), meadow.boxed(), strip, beach.boxed()]
+    beach = surface([_row(edge + out, z) for out, z in slope[::-1]] + [_row(edge - 2.0)], "sand", closed=True)
+    return [paving.boxed(), curb.boxed(), *_meadow(edge - STRIP), _shore(edge), beach.boxed()]
+
+
+def _row(radius: float | Array, z: float = 0.0) -> Array:
+    """Points around the middle."""
+    return np.column_stack([circle(len(ANGLES)) * np.reshape(radius, (-1, 1)), np.full(len(ANGLES), z)])
+
+
+def _meadow(end: Array) -> Model:
+    """Grass from the curb to `end`, cut by paths: straight, equally wide, each from the square to its own end."""
+    stops = sorted({reach for _, reach in PATHS if reach is not None})
+    start = SQUARE + CURB
+    radii = [np.full(len(ANGLES), radius) for radius in (start, *stops)] + [end]
+    rows = np.array([_bent(radius) for radius in radii])
+    parts: Model = []
+    covered = np.zeros((len(radii) - 1, len(ANGLES)), dtype=bool)
+    for heading, reach in PATHS:
+        middle = round(heading / STEP) % len(ANGLES)
+        count = len(stops) + 1 if reach is None else stops.index(reach) + 1
+        columns = [middle - 1, middle, (middle + 1) % len(ANGLES)]
+        covered[:count, columns[:2]] = True
+        part = surface(rows[: count + 1, columns][::-1], "path")
+        far = radii_of(rows[: count + 1, middle])[:, None] / 2.5
+        grid = np.dstack(np.broadcast_arrays(np.array([0.0, 0.5, 1.0]), far))
+        flat = surface(np.dstack([grid, np.zeros(grid.shape[:2])])[::-1], "path")
+        parts.append(Part(part.corners, flat.corners[..., :2], "path"))
+    for ring in range(len(radii) - 1):
+        sheet = surface(rows[ring : ring + 2][::-1], "grass", closed=True)
+        free = np.repeat(~covered[ring], 2)
+        parts.append(Part(sheet.corners[free], sheet.uv[free], "grass").boxed())
+    return parts
+
+
+def radii_of(points: Array) -> Array:
+    """Distances from the middle, in the plane."""
+    return np.asarray(np.hypot(points[..., 0], points[..., 1]))
+
+
+def _bent(radius: Array) -> Array:
+    """A row of the meadow whose points next to a path stand at the path's edges."""
+    angle = ANGLES.copy()
+    for heading, _ in PATHS:
+        middle = round(heading / STEP) % len(ANGLES)
+        half = np.arcsin(PATH_WIDTH / 2 / radius[middle])
+        for side in (-1, 1):
+            near = [(middle + side * k) % len(ANGLES) for k in range(5)]
+            angle[near] = heading + side * np.interp(np.arange(5), [0, 1, 4], [0.0, half, 4 * STEP])
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(len(ANGLES))])
+
+
+def _shore(edge: Array) -> Part:
+    """The strip from meadow to beach; its texture runs around the island a whole number of times."""
+    part = surface([_row(edge - 2.0), _bent(edge - STRIP)], "shore", closed=True)
+    turn = np.arctan2(part.corners[..., 1], part.corners[..., 0]) % (2 * np.pi)
+    turn = np.where((turn < 1.0) & (turn.max(axis=1, keepdims=True) > 5.0), turn + 2 * np.pi, turn)
+    outer = radii_of(part.corners) > coast(turn) - STRIP / 2 - 1.0
+    around = np.round(2 * np.pi * PLATEAU / 5.0) * 5.0
+    return Part(part.corners, np.stack([turn / (2 * np.pi) * around, np.where(outer, 0.04, 4.96)], axis=-1), "shore")
 
 
 def water() -> Model:
@@ -55,29 +105,32 @@ def palm(seed: int) -> Model:
     path = np.column_stack([0.55 * rise**2 - 0.25, 0.12 * np.sin(2.5 * rise), height * rise])
     radius = 0.17 - 0.07 * rise + 0.05 * (1 - rise) ** 6
     top = path[-1]
-    model: Model = [tube(path, radius, "palm_bark", 7, caps=(False, True))]
-    for tier, (count, droop, length) in enumerate(((8, 1.05, 1.75), (6, 0.45, 1.45))):
+    model: Model = [tube(path, radius, "palm_bark", 7, caps=(False, False))]
+    for tier, (count, droop, length) in enumerate(((7, 1.05, 1.75), (5, 0.45, 1.45))):
         for leaf in range(count):
             yaw = 2 * np.pi * (leaf + 0.5 * tier + rng.uniform(-0.15, 0.15)) / count
             model.append(_frond(length * rng.uniform(0.92, 1.08), droop + rng.uniform(-0.1, 0.1)).moved(top, yaw=yaw))
-    model += [ball((0.10, 0.10, 0.12), top + [0.14 * np.cos(a), 0.14 * np.sin(a), -0.12], "coconut", 6, 4)
-              for a in (0.5, 2.6, 4.4)]
+    model += [
+        ball((0.10, 0.10, 0.12), top + np.array([0.14 * np.cos(a), 0.14 * np.sin(a), -0.12]), "coconut", 5, 3)
+        for a in (0.5, 2.6, 4.4)
+    ]
     return model
 
 
 def _frond(length: float, droop: float) -> Part:
     """A leaf along +x that rises and then bends down, folded along its rib, seen from both sides."""
-    along = np.linspace(0, 1, 5)
+    along = np.linspace(0, 1, 4)
     angle = 0.75 - (0.75 + droop) * along**0.8
     steps = np.diff(along, prepend=0)[:, None] * length
-    rib = np.cumsum(np.column_stack([np.cos(angle), np.zeros(5), np.sin(angle)]) * steps, axis=0)
-    width = np.array([0.05, 0.22, 0.27, 0.19, 0.01])
-    rows = np.array([rib + np.column_stack([np.zeros(5), side * width, -0.55 * width * abs(side)])
-                     for side in (-1, 0, 1)]).swapaxes(0, 1)
+    rib = np.cumsum(np.column_stack([np.cos(angle), np.zeros(4), np.sin(angle)]) * steps, axis=0)
+    width = np.array([0.05, 0.27, 0.25, 0.01])
+    rows = np.array(
+        [rib + np.column_stack([np.zeros(4), side * width, -0.55 * width * abs(side)]) for side in (-1, 0, 1)]
+    ).swapaxes(0, 1)
     upper, lower = surface(rows, "frond", crease=1.0), surface(rows[:, ::-1], "frond", crease=1.0)
     grid = np.dstack(np.broadcast_arrays(along[:, None], np.array([0.0, 0.5, 1.0])[None]))
-    top_uv = surface(np.dstack([grid, np.zeros((5, 3))]), "frond").corners[..., :2]
-    bottom_uv = surface(np.dstack([grid[:, ::-1], np.zeros((5, 3))]), "frond").corners[..., :2]
+    top_uv = surface(np.dstack([grid, np.zeros((4, 3))]), "frond").corners[..., :2]
+    bottom_uv = surface(np.dstack([grid[:, ::-1], np.zeros((4, 3))]), "frond").corners[..., :2]
     corners = np.concatenate([upper.corners, lower.corners])
     return Part(corners, np.concatenate([top_uv, bottom_uv])[: len(corners)], "frond", 1.0)
 
@@ -101,14 +154,29 @@ def pine(seed: int) -> Model:
 def bush(seed: int) -> Model:
     """Three round heaps of leaves with a few blossoms."""
     rng = np.random.default_rng(seed)
-    model = [_lump(rng, size, 8, 5, "foliage", 0.10).moved(at) for size, at in (
-        ((0.55, 0.50, 0.48), (0, 0, 0.36)), ((0.40, 0.42, 0.36), (0.42, 0.18, 0.26)),
-        ((0.38, 0.36, 0.34), (-0.30, -0.34, 0.24)))]
+    model = [
+        _lump(rng, size, 8, 5, "foliage", 0.10).moved(at)
+        for size, at in (
+            ((0.55, 0.50, 0.48), (0, 0, 0.40)),
+            ((0.40, 0.42, 0.36), (0.42, 0.18, 0.33)),
+            ((0.38, 0.36, 0.34), (-0.30, -0.34, 0.32)),
+        )
+    ]
     for _ in range(9):
         angle, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 0.85)
-        model.append(ball((0.05, 0.05, 0.04), (0.52 * np.cos(angle) * np.sqrt(1 - up**2) * 1.04,
-                                               0.48 * np.sin(angle) * np.sqrt(1 - up**2) * 1.04, 0.36 + 0.49 * up),
-                          "flower_red", 5, 3))
+        model.append(
+            ball(
+                (0.05, 0.05, 0.04),
+                (
+                    0.52 * np.cos(angle) * np.sqrt(1 - up**2) * 1.04,
+                    0.48 * np.sin(angle) * np.sqrt(1 - up**2) * 1.04,
+                    0.40 + 0.49 * up,
+                ),
+                "flower_red",
+                4,
+                3,
+            )
+        )
     return model
 
 
@@ -116,14 +184,21 @@ def rock(seed: int, size: tuple[float, float, float]) -> Model:
     """A boulder with flats, sunk a little into the ground."""
     rng = np.random.default_rng(seed)
     stone = _lump(rng, size, 12, 8, "rock", 0.16, flats=9)
-    corners = stone.corners + [0, 0, 0.62 * size[2]]
+    corners = stone.corners + np.array([0, 0, 0.62 * size[2]])
     corners[..., 2] = np.maximum(corners[..., 2], 0.0)
     solid = np.ptp(corners[..., 2], axis=1) > 1e-6
     return [Part(corners[solid], stone.uv[solid], "rock", 0.55).boxed()]
 
 
-def _lump(rng: np.random.Generator, size: tuple[float, float, float], segments: int, rings: int, material: str,
-          rough: float, flats: int = 0) -> Part:
+def _lump(
+    rng: np.random.Generator,
+    size: tuple[float, float, float],
+    segments: int,
+    rings: int,
+    material: str,
+    rough: float,
+    flats: int = 0,
+) -> Part:
     """A ball with dents, cut by a few planes."""
     part = ball((1, 1, 1), (0, 0, 0), material, segments, rings)
     points, index = np.unique(np.round(part.corners.reshape(-1, 3), 6), axis=0, return_inverse=True)

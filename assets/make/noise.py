@@ -17,8 +17,9 @@ def value_noise(rng: np.random.Generator, size: int, across: int, down: int | No
     return np.asarray(left + (right - left) * column_part)
 
 
-def fractal(rng: np.random.Generator, size: int, across: int, down: int | None = None, octaves: int = 4,
-            gain: float = 0.5) -> Array:
+def fractal(
+    rng: np.random.Generator, size: int, across: int, down: int | None = None, octaves: int = 4, gain: float = 0.5
+) -> Array:
     """Octaves of value noise, each twice as fine and `gain` as strong as the one before; stretched to 0..1."""
     down = down or across
     total = np.zeros((size, size))
@@ -39,8 +40,9 @@ def cells(rng: np.random.Generator, size: int, across: int, jitter: float = 0.8)
         for step_x in (-1, 0, 1):
             row, column = (cell_y + step_y) % across, (cell_x + step_x) % across
             point = offsets[row, column]
-            distances.append(np.sqrt((cell_y + step_y + point[..., 0] - y) ** 2
-                                     + (cell_x + step_x + point[..., 1] - x) ** 2))
+            distances.append(
+                np.sqrt((cell_y + step_y + point[..., 0] - y) ** 2 + (cell_x + step_x + point[..., 1] - x) ** 2)
+            )
             indices.append(row * across + column)
     order = np.argsort(distances, axis=0, kind="stable")
     ranked = np.take_along_axis(np.array(distances), order, axis=0)

@@ -20,15 +20,16 @@ def write_model(name: str, model: Sequence[Part], folder: Path) -> int:
     lines = [f"# {name}: metres, x forward, z up", f"mtllib {name}.mtl"]
     indices = []
     for word, values, decimals in (("v", corners, 4), ("vt", coordinates, 3), ("vn", directions, 3)):
-        rows, index = _distinct(np.concatenate([values[key].reshape(-1, values[key].shape[-1]) for key in used]),
-                                decimals)
+        rows, index = _distinct(
+            np.concatenate([values[key].reshape(-1, values[key].shape[-1]) for key in used]), decimals
+        )
         lines += [f"{word} " + " ".join(f"{number:.{decimals}f}" for number in row) for row in rows]
         indices.append(index + 1)
     faces = np.stack(indices, axis=1).reshape(-1, 3, 3)
     start = 0
     for key in used:
         lines.append(f"usemtl {key}")
-        for face in faces[start:start + len(corners[key])]:
+        for face in faces[start : start + len(corners[key])]:
             lines.append("f " + " ".join("/".join(map(str, corner)) for corner in face))
         start += len(corners[key])
     (folder / f"{name}.obj").write_text("\n".join(lines) + "\n")
@@ -43,11 +44,16 @@ def _distinct(values: Array, decimals: int) -> tuple[Array, np.ndarray]:
 
 def _material(name: str, material: Material) -> str:
     """One 'newmtl' of the MTL file."""
+
     def numbers(values: Sequence[float]) -> str:
         return " ".join(f"{value:.3f}" for value in values)
 
-    lines = [f"newmtl {name}", f"Kd {numbers(material.colour)}", f"Ks {numbers([material.specular] * 3)}",
-             f"Ns {material.shininess:.1f}"]
+    lines = [
+        f"newmtl {name}",
+        f"Kd {numbers(material.colour)}",
+        f"Ks {numbers([material.specular] * 3)}",
+        f"Ns {material.shininess:.1f}",
+    ]
     if any(material.emission):
         lines.append(f"Ke {numbers(material.emission)}")
     if material.texture:

@@ -23,8 +23,9 @@ class Part:
     material: str
     crease: float = 0.7
 
-    def moved(self, to: ArrayLike = (0, 0, 0), roll: float = 0, pitch: float = 0, yaw: float = 0,
-              scale: ArrayLike = (1, 1, 1)) -> "Part":
+    def moved(
+        self, to: ArrayLike = (0, 0, 0), roll: float = 0, pitch: float = 0, yaw: float = 0, scale: ArrayLike = (1, 1, 1)
+    ) -> "Part":
         """Scaled, turned about x, y, z in this order, and shifted. A mirrored part keeps its outside outside."""
         factors = np.broadcast_to(np.asarray(scale, float), (3,))
         corners = self.corners * factors @ rotation(roll, pitch, yaw).T + np.asarray(to, float)
@@ -43,8 +44,14 @@ class Part:
 Model = list[Part]
 
 
-def moved(model: Sequence[Part], to: ArrayLike = (0, 0, 0), roll: float = 0, pitch: float = 0, yaw: float = 0,
-          scale: ArrayLike = (1, 1, 1)) -> Model:
+def moved(
+    model: Sequence[Part],
+    to: ArrayLike = (0, 0, 0),
+    roll: float = 0,
+    pitch: float = 0,
+    yaw: float = 0,
+    scale: ArrayLike = (1, 1, 1),
+) -> Model:
     """Every part of a model, moved alike."""
     return [part.moved(to, roll, pitch, yaw, scale) for part in model]
 
@@ -70,8 +77,14 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     return np.asarray(about_z @ about_y @ about_x)
 
 
-def surface(points: ArrayLike, material: str, closed: bool = False, caps: tuple[bool, bool] = (False, False),
-            crease: float = 0.7, along: str = "v") -> Part:
+def surface(
+    points: ArrayLike,
+    material: str,
+    closed: bool = False,
+    caps: tuple[bool, bool] = (False, False),
+    crease: float = 0.7,
+    along: str = "v",
+) -> Part:
     """A sheet through rows of points (rows, columns, 3); the columns turn counter-clockwise about the rows' way.
 
     `closed` joins the last column to the first, `caps` close the first and the last row with fans.
@@ -91,16 +104,29 @@ def surface(points: ArrayLike, material: str, closed: bool = False, caps: tuple[
     return Part(soup[..., :3], soup[..., 4:2:-1] if along == "u" else soup[..., 3:], material, crease)
 
 
-def lathe(profile: ArrayLike, material: str, segments: int = 16, crease: float = 0.7,
-          caps: tuple[bool, bool] = (False, False)) -> Part:
+def lathe(
+    profile: ArrayLike, material: str, segments: int = 16, crease: float = 0.7, caps: tuple[bool, bool] = (False, False)
+) -> Part:
     """A profile of (radius, z), turned about z; an outline that goes up has its outside outside."""
     radius, z = np.asarray(profile, float).T
-    return surface(np.dstack([radius[:, None, None] * circle(segments), np.repeat(z[:, None], segments, axis=1)]),
-                   material, closed=True, crease=crease, caps=caps)
+    return surface(
+        np.dstack([radius[:, None, None] * circle(segments), np.repeat(z[:, None], segments, axis=1)]),
+        material,
+        closed=True,
+        crease=crease,
+        caps=caps,
+    )
 
 
-def tube(path: ArrayLike, radius: ArrayLike, material: str, segments: int = 8, crease: float = 0.7,
-         caps: tuple[bool, bool] = (True, True), along: str = "v") -> Part:
+def tube(
+    path: ArrayLike,
+    radius: ArrayLike,
+    material: str,
+    segments: int = 8,
+    crease: float = 0.7,
+    caps: tuple[bool, bool] = (True, True),
+    along: str = "v",
+) -> Part:
     """A round rod along a path (n, 3); radius is one for all, one a point, or two half-axes a point (n, 2)."""
     points = np.asarray(path, float)
     ways = np.gradient(points, axis=0)
@@ -118,13 +144,22 @@ def tube(path: ArrayLike, radius: ArrayLike, material: str, segments: int = 8, c
     return surface(rows, material, closed=True, crease=crease, caps=caps, along=along)
 
 
-def loft(sections: ArrayLike, material: str, segments: int = 16, power: float = 2.5, crease: float = 0.9,
-         caps: tuple[bool, bool] = (True, True), along: str = "u") -> Part:
+def loft(
+    sections: ArrayLike,
+    material: str,
+    segments: int = 16,
+    power: float = 2.5,
+    crease: float = 0.9,
+    caps: tuple[bool, bool] = (True, True),
+    along: str = "u",
+) -> Part:
     """A body along x through superellipses: sections of (x, z of the middle, half-width y, half-height z)."""
     ring = circle(segments)
     ring = np.sign(ring) * np.abs(ring) ** (2 / power)
-    rows = [np.column_stack([np.full(segments, x), ring[:, 0] * width, middle + ring[:, 1] * height])
-            for x, middle, width, height in np.asarray(sections, float)]
+    rows = [
+        np.column_stack([np.full(segments, x), ring[:, 0] * width, middle + ring[:, 1] * height])
+        for x, middle, width, height in np.asarray(sections, float)
+    ]
     return surface(rows, material, closed=True, crease=crease, caps=caps, along=along)
 
 
@@ -142,13 +177,16 @@ def box(size: ArrayLike, centre: ArrayLike, material: str, bevel: float = 0.0, t
     corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]], float)
     if b:
         wide = np.repeat(corner, 2, axis=0) * [x, y] - np.repeat(corner, 2, axis=0) * np.tile(
-            [[0, b], [b, 0], [b, 0], [0, b]], (2, 1))
+            [[0, b], [b, 0], [b, 0], [0, b]], (2, 1)
+        )
         flat = np.repeat(corner * [x - b, y - b], 2, axis=0)
         rings, heights = [flat, wide, wide, flat], [-z, b - z, z - b, z]
     else:
         rings, heights = [corner * [x, y]] * 2, [-z, z]
-    rows = [np.column_stack([ring * (taper if height > 0 else 1), np.full(len(ring), height)])
-            for ring, height in zip(rings, heights, strict=True)]
+    rows = [
+        np.column_stack([ring * (taper if height > 0 else 1), np.full(len(ring), height)])
+        for ring, height in zip(rings, heights, strict=True)
+    ]
     return surface(rows, material, closed=True, caps=(True, True), crease=0.3).boxed().moved(centre)
 
 
