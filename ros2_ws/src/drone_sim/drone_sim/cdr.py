@@ -43,9 +43,9 @@ class Layout:
         return self
 
     def float64(self, name: str, count: int) -> Self:
-        """`count` numbers to be filled in; the same name again adds a row to them."""
+        """`count` numbers to be filled in; the same name again adds a row to them. ROS aligns even for none."""
+        first = self._append(8, bytes(8 * count)) // 8
         if count:
-            first = self._append(8, bytes(8 * count)) // 8
             self._floats.setdefault(name, []).append(list(range(first, first + count)))
         return self
 
@@ -100,7 +100,7 @@ class Transforms(NamedTuple):
 
 
 class _Shape(NamedTuple):
-    """Where the numbers of a TFMessage stand, and the bytes between them."""
+    """Where the numbers of a TFMessage stand, and where its strings; the padding between may be anything."""
 
     fixed: NDArray[np.bool_]
     template: NDArray[np.uint8]
@@ -128,13 +128,15 @@ def read_transforms(data: bytes) -> Transforms:
 
 
 def _measure(data: bytes) -> _Shape:
-    fixed = np.ones(len(data), bool)
+    fixed = np.zeros(len(data), bool)
+    fixed[4:8] = True
     numbers: list[range] = []
     names: list[tuple[str, str]] = []
 
     def string(at: int) -> tuple[str, int]:
         at += -(at - 4) % 4
         (length,) = struct.unpack_from("<I", data, at)
+        fixed[at : at + 4 + length] = True
         return data[at + 4 : at + 3 + length].decode(), at + 4 + length
 
     try:
@@ -142,12 +144,10 @@ def _measure(data: bytes) -> _Shape:
         at = 8
         for _ in range(count):
             at += -(at - 4) % 4
-            fixed[at : at + 8] = False
             parent, at = string(at + 8)
             child, at = string(at)
             at += -(at - 4) % 8
             struct.unpack_from("<7d", data, at)
-            fixed[at : at + 56] = False
             numbers.append(range((at - 4) // 8, (at - 4) // 8 + 7))
             names.append((parent, child))
             at += 56

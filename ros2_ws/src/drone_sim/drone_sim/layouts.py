@@ -37,4 +37,4 @@ def joint_state(names: Sequence[str]) -> Message:
         layout.string(name)
     layout.uint32(len(names)).float64("position", len(names))
     layout.uint32(len(names)).float64("velocity", len(names))
-    return layout.uint32(0).message()
+    return layout.uint32(0).float64("effort", 0).message()

@@ -4,8 +4,8 @@ Bodies are the objects without a parent that can be touched or can move, in the 
 point, whose motion is simulated, is the centre of its box, taken as its centre of mass.
 """
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -115,7 +115,7 @@ def build(scene: Scene) -> Model:
     )
 
 
-def _bodies(scene: Scene, names: list[str], level: dict[str, str]) -> Bodies:
+def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
     things = [scene.objects[name] for name in names]
     box = {path: mesh.bounds(path) for path in {scene.model_path(name) for name in names}}
     low, high = (np.array([box[scene.model_path(name)][side] for name in names]).reshape(-1, 3) for side in (0, 1))
@@ -156,8 +156,8 @@ def _root(objects: dict[str, Object], name: str) -> str:
     return name
 
 
-def _poses(poses: Any) -> Floats:
-    rows: list[Pose] = [(*pose[:3], *from_rpy(*pose[3:])) for pose in poses]
+def _poses(poses: Iterable[Pose]) -> Floats:
+    rows = [(*pose[:3], *from_rpy(*pose[3:])) for pose in poses]
     return np.array(rows, np.float64).reshape(-1, 7)
 
 

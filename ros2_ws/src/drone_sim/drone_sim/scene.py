@@ -261,7 +261,7 @@ def parse(text: bytes | str, path: Path) -> Scene:
     try:
         for event in yaml.parse(text, Loader=yaml.CSafeLoader):
             if isinstance(event, yaml.AliasEvent):
-                raise SceneError(f"{path}: line {event.start_mark.line + 1}: YAML aliases are not allowed")
+                raise SceneError(f"{path}: YAML aliases are not allowed ('*{event.anchor}')")
         data = yaml.load(text, Loader=_UniqueKeyLoader)
         scene = Scene.model_validate_json(json.dumps(_spell_out(data), default=str), strict=True)
     except (yaml.YAMLError, RecursionError) as error:
@@ -331,9 +331,10 @@ def first_error(error: ValidationError, prefix: tuple[str, ...] = (), model: typ
 
 def _model_at(loc: tuple[int | str, ...]) -> type[BaseModel] | None:
     """The part of the scene that a key path stands in."""
-    kinds = {"rates": Rates, "collision": Collision, "dynamics": Dynamics, "render": Render, "flight": Flight,
-             "rotor": Rotor, "patrol": Patrol, "orbit": Orbit, "sky": Sky, "water": Water}
-    named = {"objects": Object, "lights": Light, "cameras": Camera}
+    kinds: dict[str, type[BaseModel]] = {
+        "rates": Rates, "collision": Collision, "dynamics": Dynamics, "render": Render, "flight": Flight,
+        "rotor": Rotor, "patrol": Patrol, "orbit": Orbit, "sky": Sky, "water": Water}
+    named: dict[str, type[BaseModel]] = {"objects": Object, "lights": Light, "cameras": Camera}
     if not loc:
         return Scene
     if len(loc) == 2 and loc[0] in named:

@@ -17,14 +17,13 @@ from rclpy.task import Future
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import JointState
 from simulation_interfaces.msg import Result, SimulationState
-from simulation_interfaces.srv import (GetSimulationState, LoadWorld, ResetSimulation, SetSimulationState,
-                                       StepSimulation)
+from simulation_interfaces.srv import GetSimulationState, LoadWorld, ResetSimulation, SetSimulationState, StepSimulation
 from tf2_msgs.msg import TFMessage
 
 from drone_sim import kernel
 from drone_sim.mesh import MeshError
-from drone_sim.pacing import Pacer
 from drone_sim.messages import collision_events, diagnostics, scene_message
+from drone_sim.pacing import Pacer
 from drone_sim.scene import SceneError, load
 from drone_sim.telemetry import Telemetry, Type
 from drone_sim.world import World
@@ -49,6 +48,7 @@ class SimNode(Node):
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._state = SimulationState.STATE_LOADING_WORLD
         self._rejected = 0
+        self._timer: rclpy.timer.Timer | None = None
         self._outputs: dict[str, rclpy.publisher.Publisher] = {}
         self._inputs: list[rclpy.subscription.Subscription] = []
         self._scene_output = self.create_publisher(SceneMessage, "scene", KEPT)
@@ -105,7 +105,7 @@ class SimNode(Node):
 
     def _restart_clock(self) -> None:
         self._pacer = Pacer(self._world.scene.rates.physics, self._factor) if self._factor else None
-        if hasattr(self, "_timer"):
+        if self._timer:
             self.destroy_timer(self._timer)
         self._timer = self.create_timer(self._pacer.period if self._pacer else 0.0, self._on_time, clock=self._wall)
         self._reported = (self._now(), int(self._world.state.step[0]))

@@ -20,7 +20,7 @@ from drone_sim.dynamics.solver import Motion
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.flight import direct, rotors
 from drone_sim.scene import Scene
-from drone_sim.stage import Named, Stage
+from drone_sim.stage import Named
 from drone_sim.state import State
 
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s

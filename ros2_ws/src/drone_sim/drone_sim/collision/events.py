@@ -59,8 +59,9 @@ def _touching(m: Manifolds) -> dict[tuple[int, int], Event]:
         points = int(m.points[i])
         deepest = int(m.separation[i, :points].argmin())
         depth = -float(m.separation[i, deepest])
-        if depth >= 0.0 or m.total[i] > 0.0:
+        impulse = float(m.total[i, :points].sum())
+        if depth >= 0.0 or impulse > 0.0:
             a, b = (int(body) for body in m.pair[i])
             touching[a, b] = Event(Phase.BEGIN, a, b, OBB, tuple(m.point_w[i, deepest].tolist()),
-                                   tuple(m.normal_w[i].tolist()), max(depth, 0.0), float(m.total[i]))
+                                   tuple(m.normal_w[i].tolist()), max(depth, 0.0), impulse)
     return touching

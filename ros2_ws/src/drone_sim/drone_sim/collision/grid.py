@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from drone_sim.kernel import kernel
 from drone_sim.arrays import Booleans, Floats, Integers
+from drone_sim.kernel import kernel
 
 LARGE = 64
 
@@ -38,7 +38,7 @@ def overlap(low, high, i, j):
 @kernel
 def _cell(x, y, z, size):
     """The cell that a point lies in."""
-    return int(math.floor(x / size)), int(math.floor(y / size)), int(math.floor(z / size))
+    return math.floor(x / size), math.floor(y / size), math.floor(z / size)
 
 
 @kernel

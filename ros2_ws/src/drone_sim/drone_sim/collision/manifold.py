@@ -20,7 +20,7 @@ class Manifolds:
         self.separation: Floats = np.empty((capacity, POINTS))  # m, negative where they overlap
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)  # names a point from step to step
         self.impulse: Floats = np.empty((capacity, POINTS, 3))  # N s: along the normal and two tangents, per sub-step
-        self.total: Floats = np.empty(capacity)  # N s along the normal, whole step, all points
+        self.total: Floats = np.empty((capacity, POINTS))  # N s: along the normal, in the whole step
 
     @property
     def capacity(self) -> int:

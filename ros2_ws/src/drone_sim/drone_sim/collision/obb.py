@@ -149,7 +149,8 @@ def _clip(position, axes, half, r, o, face, nx, ny, nz, margin, swapped, point, 
             if (here < 0.0 and there > 0.0) or (here > 0.0 and there < 0.0):
                 t = here / (here - there)
                 for k in range(3):
-                    scratch[target, kept, k] = scratch[source, i, k] + t * (scratch[source, j, k] - scratch[source, i, k])
+                    start, end = scratch[source, i, k], scratch[source, j, k]
+                    scratch[target, kept, k] = start + t * (end - start)
                 scratch[target, kept, 3] = 8 * (plane + 1) + int(scratch[source, i, 3]) % 8
                 kept += 1
         count, source = kept, target

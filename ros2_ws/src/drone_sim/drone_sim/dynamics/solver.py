@@ -21,6 +21,7 @@ CONTACT_FREQUENCY = 30.0  # Hz; at most a quarter of the sub-steps' rate, above 
 DAMPING_RATIO = 10.0
 PUSH_OUT_SPEED = 0.8  # m/s, the fastest that overlapping bodies are parted
 BOUNCE_SPEED = 0.3  # m/s, below which nothing bounces
+BOUNCE_PASSES = 40  # at most; four corners need about ten
 
 
 @kernel
@@ -183,20 +184,28 @@ def warm_start(count, pair, points, frame, anchor, impulse, velocity, angular, i
 @kernel
 def bounce(count, pair, points, frame, anchor, mass, impulse, total, speed, restitution, velocity, angular,
            inverse_mass, tensor):
-    """Gives back speed to contacts that met at more than BOUNCE_SPEED (the greater restitution of the two)."""
+    """Gives back speed to contacts that met at more than BOUNCE_SPEED (the greater restitution of the two).
+
+    The points of a contact share one body, so several passes are needed until each has its own speed.
+    """
     for i in range(count):
         a, b = pair[i, 0], pair[i, 1]
         e = max(restitution[a], restitution[b])
-        for k in range(points[i]):
-            if speed[i, k] > -BOUNCE_SPEED or impulse[i, k, 0] == 0.0 or e == 0.0:
-                continue
-            now = _parting_speed(velocity, angular, a, b, anchor[i, k], frame[i, 0])
-            wanted = max(impulse[i, k, 0] - mass[i, k, 0] * (now + e * speed[i, k]), 0.0)
-            change = wanted - impulse[i, k, 0]
-            impulse[i, k, 0] = wanted
-            total[i] += change
-            _apply(velocity, angular, inverse_mass, tensor, a, b, anchor[i, k],
-                   change * frame[i, 0, 0], change * frame[i, 0, 1], change * frame[i, 0, 2])
+        for _ in range(BOUNCE_PASSES if e > 0.0 else 0):
+            unmet = 0.0
+            for k in range(points[i]):
+                if speed[i, k] > -BOUNCE_SPEED or total[i, k] == 0.0:
+                    continue
+                missing = -e * speed[i, k] - _parting_speed(velocity, angular, a, b, anchor[i, k], frame[i, 0])
+                wanted = max(impulse[i, k, 0] + mass[i, k, 0] * missing, 0.0)
+                change = wanted - impulse[i, k, 0]
+                impulse[i, k, 0] = wanted
+                total[i, k] += change
+                unmet = max(unmet, abs(missing))
+                _apply(velocity, angular, inverse_mass, tensor, a, b, anchor[i, k],
+                       change * frame[i, 0, 0], change * frame[i, 0, 1], change * frame[i, 0, 2])
+            if unmet < 0.01 * BOUNCE_SPEED:
+                break
 
 
 @kernel
@@ -204,7 +213,7 @@ def sum_impulses(count, points, impulse, total):
     """Adds the normal impulses of a sub-step to those of the step."""
     for i in range(count):
         for k in range(points[i]):
-            total[i] += impulse[i, k, 0]
+            total[i, k] += impulse[i, k, 0]
 
 
 class Motion:

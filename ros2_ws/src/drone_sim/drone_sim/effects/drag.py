@@ -2,9 +2,8 @@
 
 import math
 
-from pydantic import Field
-
 import numpy as np
+from pydantic import Field
 
 from drone_sim.arrays import Floats
 from drone_sim.kernel import kernel

@@ -96,7 +96,7 @@ def _limited(x, y, z, limit):
 
 
 @kernel
-def land(velocity, body, command, silence, dt, count, pair, normal, total, landed):
+def land(velocity, body, command, silence, dt, count, pair, points, normal, total, landed):
     """Marks drones as landed that rest on something and are not told to leave it."""
     for d in range(body.shape[0]):
         i = body[d]
@@ -108,7 +108,7 @@ def land(velocity, body, command, silence, dt, count, pair, normal, total, lande
             continue
         for c in range(count):
             up = normal[c, 2] if pair[c, 1] == i else -normal[c, 2]
-            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c] > 0.0:
+            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c, :points[c]].sum() > 0.0:
                 landed[d] = 1
 
 
@@ -129,7 +129,7 @@ def build_landing(model: Model, state: State, detection: Detection, dt: float) -
 
     def settle() -> None:
         m = detection.manifolds
-        land(state.velocity_w, model.drones.body, state.command_b, state.silence, dt, m.count, m.pair, m.normal_w,
-             m.total, state.landed)
+        land(state.velocity_w, model.drones.body, state.command_b, state.silence, dt, m.count, m.pair, m.points,
+             m.normal_w, m.total, state.landed)
 
     return settle
