@@ -5,8 +5,6 @@ import re
 from pathlib import Path
 from typing import NoReturn
 
-from drone_sim.scene import SceneError, load
-
 EXAMPLE = "example: start.py --scene island --duration 20 --record out/run1 --film out/run1.mp4 --no-teleop"
 
 
@@ -74,6 +72,8 @@ def parse() -> argparse.Namespace:
         parser.error(f"--domain: {options.domain} is not within 0 to 232")
     if options.namespace and not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", options.namespace, re.ASCII):
         parser.error(f"--namespace: '{options.namespace}' is not a name of letters, digits and _")
+    from drone_sim.scene import SceneError, load  # here, because --help need not wait for it
+
     try:
         scene = load(options.scene)
     except SceneError as error:

@@ -68,7 +68,10 @@ def recover(bag: Path) -> str:
 
 def main() -> int:
     """Runs until the duration is over, the person quits, or Ctrl-C."""
-    options = parse()
+    try:
+        options = parse()
+    except KeyboardInterrupt:  # before anything has started
+        return 0
     set_environment(options)
     if not options.no_teleop and not sys.stdin.isatty():
         print("no teleop: the standard input is not a terminal")

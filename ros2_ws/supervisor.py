@@ -47,6 +47,10 @@ class _Running:
     urgent: bool = False  # the last message was a warning or worse, so are the lines that belong to it
     last: deque[str] = field(default_factory=lambda: deque(maxlen=LAST_WORDS))
 
+    def ended_as_asked(self, status: int) -> bool:
+        """Whether this is how a program ends on SIGINT; Python's own start turns that into status 1."""
+        return status in CLEAN_STATUS or (bool(self.last) and self.last[-1].startswith("KeyboardInterrupt"))
+
 
 class Supervisor:
     """Runs programs until the leading one is done or the person has had enough; `died` names the failures."""
@@ -158,7 +162,7 @@ class Supervisor:
             running.log.close()
             if status == 0 and (running.program.leads or running.program.terminal):
                 done = True
-            elif not self._ending or status not in CLEAN_STATUS:
+            elif not (self._ending and running.ended_as_asked(status)):
                 lost |= running.program.leads
                 self._report(running, status)
         return done, lost

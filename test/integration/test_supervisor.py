@@ -109,6 +109,7 @@ def test_without_its_leader_a_run_ends_when_the_time_is_over(supervise: Supervis
 def test_what_does_not_end_is_killed(supervise: Supervise) -> None:
     process = supervise(f"sim|leads|{WAITS}", f"deaf||{DEAF}")
     wait_for_output(process, "deaf | up")
+    wait_for_output(process, "sim  | up")
     process.send(signal.SIGINT)
     assert process.wait() == 0
     assert "deaf did not end within" in process.output()
