@@ -218,7 +218,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 def _interrupt(*_: Any) -> None:
     """The first of the signals ends the node in good order, and no second one disturbs that."""
     for number in ENDS:
-        signal.signal(number, signal.SIG_IGN)
+        signal.signal(number, lambda *_: None)  # not SIG_IGN, of which Python complains if one is pending already
     raise KeyboardInterrupt
 
 
