@@ -13,14 +13,18 @@ from drone_sim.mesh import Model, Part
 from drone_sim.scene import Render, Sky, Water
 
 from drone_render.context import Device, packed, write
-from drone_render.geometry import tangents
+from drone_render.geometry import coarse, tangents
 from drone_render.shaders import Variant
 from drone_render.view import Array
 
 FAINT = 0.05  # a highlight that reflects less is not seen, so it is not computed
+# Levels of detail: below a radius in pixels, vertices within a share of the radius are one. About 3 pixels, that is:
+# a software rasteriser shades blocks of 4 x 4, however little of them a triangle covers.
+DETAIL = ((60.0, 1 / 20), (25.0, 1 / 8), (10.0, 1 / 4))
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m
 WAVE_HEADINGS = np.array([0.4, -0.5, 1.3, -1.6])  # rad
+CROWDED = 2.5  # how soon waves fade as they shrink: half is left where one is 16 pixels long
 WAVE_SHARES = np.array([0.30, 0.28, 0.24, 0.18])  # of the wave height
 
 
@@ -64,26 +68,29 @@ class Lights:
     colours: npt.NDArray[np.float32]
 
 
-class Surface:
-    """One part of a model on the device, and the programs that draw it, one for each number of lights."""
+@dataclass(frozen=True)
+class Placed:
+    """An object in a picture: its row in the scene, its packed matrix, its level of detail, its lights."""
 
-    def __init__(self, device: Device, part: Part, render: Render) -> None:
+    row: int
+    matrix: bytes
+    level: int
+    lights: npt.NDArray[np.intp]
+
+
+class Surface:
+    """One part of a model on the device, in several levels of detail, and the programs that draw it."""
+
+    def __init__(self, device: Device, part: Part, radius: float, render: Render) -> None:
         material = part.material
         normal_map = material.normal_map if render.normal_mapping is not None else None
         self._device = device
         self._material = material
         self._maps = {"colour_map": material.colour_map, "normal_map": normal_map}
         self._specular = render.specular is not None and max(material.specular) >= FAINT
-        self._attributes = [
-            (device.buffer(part.vertices), "3f", "position"),
-            (device.buffer(part.normals), "3f", "normal"),
-        ]
-        if any(self._maps.values()):
-            self._attributes.append((device.buffer(part.uv), "2f", "uv"))
-        if normal_map is not None:
-            self._attributes.append((device.buffer(tangents(part)), "4f", "tangent"))
-        self._index = device.buffer(part.faces)
-        self._arrays: dict[int, moderngl.VertexArray] = {}
+        self._levels = [part, *(coarse(part, radius * share) for _, share in DETAIL)]
+        self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
+        self._buffers: dict[int, tuple[list[tuple[moderngl.Buffer, str, str]], moderngl.Buffer]] = {}
         self.textures = tuple(device.texture(path) for path in self._maps.values() if path is not None)
 
     def variant(self, lights: int) -> Variant:
@@ -98,12 +105,25 @@ class Surface:
             SPECULAR=squarings(self._material.shininess) if self._specular else False,
         )
 
-    def array(self, lights: int) -> moderngl.VertexArray:
-        """What to draw with so many lights."""
-        if lights not in self._arrays:
+    def array(self, level: int, lights: int) -> moderngl.VertexArray | None:
+        """What to draw at a level of detail with so many lights; None if nothing is left at that level."""
+        if not len(self._levels[level].faces):
+            return None
+        if (level, lights) not in self._arrays:
+            if level not in self._buffers:
+                self._buffers[level] = self._upload(self._levels[level])
             program = self._device.program(self.variant(lights))
-            self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
-        return self._arrays[lights]
+            self._arrays[level, lights] = self._device.vertex_array(program, *self._buffers[level])
+        return self._arrays[level, lights]
+
+    def _upload(self, part: Part) -> tuple[list[tuple[moderngl.Buffer, str, str]], moderngl.Buffer]:
+        buffer = self._device.buffer
+        attributes = [(buffer(part.vertices), "3f", "position"), (buffer(part.normals), "3f", "normal")]
+        if any(self._maps.values()):
+            attributes.append((buffer(part.uv), "2f", "uv"))
+        if self._maps["normal_map"] is not None:
+            attributes.append((buffer(tangents(part)), "4f", "tangent"))
+        return attributes, buffer(part.faces)
 
     def paint(self, program: moderngl.Program) -> None:
         """Gives the program this material and these textures."""
@@ -123,51 +143,46 @@ def squarings(shininess: float) -> int:
 class SolidPass:
     """All that is neither water nor sky. Equal models are on the device once, and equal states are set once."""
 
-    def __init__(self, device: Device, render: Render, models: Sequence[Model]) -> None:
+    def __init__(self, device: Device, render: Render, models: Sequence[Model], radii: Array) -> None:
         self._device = device
         self._ambient = render.ambient
         made: dict[Path, list[Surface]] = {}
-        for model in models:
+        for model, radius in zip(models, radii, strict=True):
             if model.path not in made:
-                made[model.path] = [Surface(device, part, render) for part in model.parts]
+                made[model.path] = [Surface(device, part, float(radius), render) for part in model.parts]
         self.surfaces = [made[model.path] for model in models]
         """Of each object, in the scene's order."""
         # Drawing in this order changes programs and textures least, which costs the driver more than a draw.
         kinds = {surface: (str(surface.variant(0)), str(surface.textures)) for parts in made.values() for surface in parts}
         self._rank = {surface: i for i, surface in enumerate(sorted(kinds, key=kinds.__getitem__))}
 
-    def draw(
-        self, frame: Frame, rows: Sequence[int], last: Sequence[int], matrices: npt.NDArray[np.float32],
-        lights: Lights, chosen: Sequence[npt.NDArray[np.intp]],
-    ) -> None:  # fmt: skip
-        """Draws objects by their rows, near ones first, and then `last`, what surrounds the camera.
-
-        matrices: (n, 4, 4), transposed; chosen: of each object, which lights it is lit by.
-        """
+    def draw(self, frame: Frame, near: Sequence[Placed], around: Sequence[Placed], lights: Lights) -> None:
+        """Draws objects, those nearby and then those around the camera, which they hide."""
         view_projection = packed(frame.view_projection.T)
         for variant, program in self._device.programs.items():
             if variant.name == "solid":
                 program["view_projection"].write(view_projection)  # type: ignore[union-attr]
                 write(program, ambient=self._ambient, eye=frame.eye)
-        for group in (rows, last):
-            draws = [(self._rank[surface], i, row, surface) for i, row in enumerate(group) for surface in self.surfaces[row]]
-            self._draw_sorted(sorted(draws), matrices, lights, chosen)
+        for group in (near, around):
+            draws = [(surface, placed) for placed in group for surface in self.surfaces[placed.row]]
+            draws.sort(key=lambda draw: self._rank[draw[0]])
+            self._draw_sorted(draws, lights)
 
-    def _draw_sorted(
-        self, draws: list[tuple[int, int, int, Surface]], matrices: npt.NDArray[np.float32],
-        lights: Lights, chosen: Sequence[npt.NDArray[np.intp]],
-    ) -> None:  # fmt: skip
-        painted: dict[int, Surface] = {}
-        for _, _, row, surface in draws:
-            array = surface.array(len(chosen[row]))
+    def _draw_sorted(self, draws: Sequence[tuple[Surface, Placed]], lights: Lights) -> None:
+        painted: tuple[moderngl.Program, Surface] | None = None
+        for surface, placed in draws:
+            count = len(placed.lights)
+            array = surface.array(placed.level, count)
+            if array is None:
+                continue
             program = array.program
-            program["model"].write(matrices[row].tobytes())  # type: ignore[union-attr]
-            if len(chosen[row]):
-                program["light_position"].write(lights.positions[chosen[row]].tobytes())  # type: ignore[union-attr]
-                program["light_colour"].write(lights.colours[chosen[row]].tobytes())  # type: ignore[union-attr]
-            if painted.get(program.glo) is not surface or len(painted) > 1:
+            program["model"].write(placed.matrix)  # type: ignore[union-attr]
+            if count:
+                program["light_position"].write(lights.positions[placed.lights].tobytes())  # type: ignore[union-attr]
+                program["light_colour"].write(lights.colours[placed.lights].tobytes())  # type: ignore[union-attr]
+            if painted != (program, surface):
                 surface.paint(program)
-                painted = {program.glo: surface}
+                painted = program, surface
             array.render()
 
 
@@ -198,7 +213,7 @@ class WaterPass:
             self._program,
             view_projection=frame.view_projection.T, eye=frame.eye,
             wave_phase=np.fmod(-self._speed * frame.time, 2 * math.pi),
-            wave_pixel=self._number * frame.pixel * 0.6,
+            wave_pixel=self._number * frame.pixel * CROWDED,
             **frame.sun_uniforms(),
         )  # fmt: skip
 

@@ -14,7 +14,7 @@ from drone_render.context import Device
 from drone_render.geometry import sphere
 from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
 from drone_render.image import Picture
-from drone_render.passes import Frame, Lights, SkyPass, SolidPass, Sun, WaterPass
+from drone_render.passes import DETAIL, Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
 from drone_render.view import Array
 
 
@@ -63,7 +63,7 @@ class Renderer:
         self._is_water = np.array(
             [thing.shading == "water" and render.water is not None for thing in scene.objects.values()], dtype=bool
         )
-        self._solid = SolidPass(self._device, render, self._models)
+        self._solid = SolidPass(self._device, render, self._models, self._radii)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
         self._water = None if render.water is None else WaterPass(self._device, render, render.water, has_sun)
@@ -84,7 +84,9 @@ class Renderer:
                 for count in range(min(int(self._lighting.lit[row].sum()), LIGHTS) + 1):
                     variant = surface.variant(count)
                     if not self._is_water[row] and variant not in self._device.programs:
-                        array = surface.array(count)
+                        array = surface.array(0, count)
+                        if array is None:
+                            continue
                         surface.paint(array.program)
                         array.program["view_projection"] = array.program["model"] = tuple(np.eye(4).ravel())
                         array.render()
@@ -132,16 +134,23 @@ class Renderer:
         centres = np.einsum("nij,nj->ni", world[:, :3, :3], self._centres) + world[:, :3, 3]
         planes = view.frustum(frame.view_projection)
         inside = centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]
-        # Front to back hides the most; what surrounds the camera, such as the ground, comes last.
         away = np.linalg.norm(centres - frame.eye, axis=1)
-        order = [int(row) for row in np.argsort(away, kind="stable") if inside[row].all()]
-        near = [row for row in order if not self._is_water[row] and away[row] > self._radii[row]]
-        around = [row for row in order if not self._is_water[row] and away[row] <= self._radii[row]]
+        pixels = self._radii / np.maximum(away * frame.pixel, 1e-9)
+        levels = sum((pixels < limit).astype(int) for limit, _ in DETAIL)
         chosen = self._lighting.strongest(lights.positions[:, :3].astype(np.float64), centres, self._radii)
         matrices = np.ascontiguousarray(world.transpose(0, 2, 1), dtype=np.float32)
-        self._solid.draw(frame, near, around, matrices, lights, chosen)
+        seen = [
+            Placed(int(row), matrices[row].tobytes(), int(levels[row]), chosen[row])
+            for row in np.argsort(away, kind="stable")
+            if inside[row].all()
+        ]
+        # What is near hides the most; what surrounds the camera, such as the ground, comes after it.
+        solid = [placed for placed in seen if not self._is_water[placed.row]]
+        near = [placed for placed in solid if away[placed.row] > self._radii[placed.row]]
+        around = [placed for placed in solid if away[placed.row] <= self._radii[placed.row]]
+        self._solid.draw(frame, near, around, lights)
         if self._water is not None:
             self._water.begin(frame)
-            for row in order:
-                if self._is_water[row]:
-                    self._water.draw(self._models[row], matrices[row].tobytes())
+            for placed in seen:
+                if self._is_water[placed.row]:
+                    self._water.draw(self._models[placed.row], placed.matrix)

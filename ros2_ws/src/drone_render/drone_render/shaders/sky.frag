@@ -17,7 +17,7 @@ void main() {
 #ifdef CLOUDS
     // A flat layer, seen from below: it closes up towards the horizon, where it fades out.
     float up = max(direction.z, 0.0);
-    vec4 cloud = texture(clouds, direction.xy * (0.16 / (up + 0.12)) + drift);
-    pixel = mix(pixel, cloud.rgb, cloud.a * min(up * 5.0, 1.0));
+    vec4 cloud = texture(clouds, direction.xy * (0.35 / (up + 0.10)) + drift);
+    pixel = mix(pixel, cloud.rgb, cloud.a * min(up * 12.0, 1.0));
 #endif
 }

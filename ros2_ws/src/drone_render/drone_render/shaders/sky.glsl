@@ -6,7 +6,8 @@ vec3 sky(vec3 direction) {
     float up = max(direction.z, 0.0);
     float low = 1.0 - up;
     low *= low;
-    return mix(zenith, horizon, low * low);
+    low *= low;
+    return mix(zenith, horizon, low * low);  // the haze ends low: most cameras see little more than the horizon
 }
 
 #ifdef SUN
