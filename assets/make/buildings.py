@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from make.shapes import Model, Part, ball, box, circle, lathe, moved, prism, tube
+from make.shapes import Model, Part, ball, box, circle, lathe, moved, prism, surface, tube
 
 
 def gable(
@@ -28,18 +28,28 @@ def gable(
 
 def window(width: float, height: float, glass: str = "glass", shutters: str | None = None) -> Model:
     """A pane with frame, cross bars and sill in the y-z plane, its middle at the origin, looking along +x."""
-    model: Model = [
-        box((0.04, width, height), (0, 0, 0), glass),
-        box((0.20, width + 0.24, 0.07), (0.05, 0, -height / 2 - 0.05), "trim"),
-        box((0.10, width + 0.16, 0.09), (0.02, 0, height / 2 + 0.04), "trim"),
-        box((0.06, 0.04, height), (0.01, 0, 0), "trim"),
-        box((0.06, width, 0.04), (0.01, 0, 0.1), "trim"),
+    corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2
+    frame = [
+        np.column_stack([np.full(4, x), corner * [width + 2 * margin, height + 2 * margin]])
+        for x, margin in ((0.0, 0.08), (0.08, 0.08), (0.08, 0.0), (0.01, 0.0))
     ]
-    for side in (1, -1):
-        model.append(box((0.10, 0.08, height), (0.02, side * (width / 2 + 0.03), 0), "trim"))
-        if shutters:
-            model.append(box((0.05, 0.46 * width, height + 0.05), (0.03, side * (0.76 * width + 0.06), 0), shutters))
+    model: Model = [
+        _sheet(0.02, width, height, 0, glass),
+        _sheet(0.03, 0.05, height, 0, "trim"),
+        _sheet(0.03, width, 0.05, 0.1, "trim"),
+        surface(frame, "trim", closed=True, crease=0.3).boxed(),
+        box((0.20, width + 0.28, 0.07), (0.05, 0, -height / 2 - 0.07), "trim"),
+    ]
+    if shutters:
+        size = (0.05, 0.46 * width, height + 0.05)
+        model += [box(size, (0.03, side * (0.76 * width + 0.09), 0), shutters) for side in (1, -1)]
     return model
+
+
+def _sheet(x: float, width: float, height: float, z: float, material: str) -> Part:
+    """A rectangle that looks along +x."""
+    rows = [[(x, y, z + up * height / 2) for y in (-width / 2, width / 2)] for up in (-1, 1)]
+    return surface(rows, material)
 
 
 def door(width: float, height: float, material: str = "door") -> Model:
@@ -125,7 +135,7 @@ def barn() -> Model:
 
 def lighthouse() -> Model:
     """A tapering tower in red and white bands, a gallery, a lamp room with a red cap."""
-    model: Model = [lathe([(2.0, 0.0), (2.0, 0.5), (1.85, 0.6)], "stone", 20, crease=0.4)]
+    model: Model = [lathe([(2.0, 0.0), (2.0, 0.5), (1.85, 0.6)], "stone", 16, crease=0.4)]
     levels = np.linspace(0.6, 9.6, 6)
     radius = 1.75 - 0.075 * (levels - 0.6)
     for band in range(5):
@@ -137,7 +147,7 @@ def lighthouse() -> Model:
             )
         )
     model += [
-        lathe([(1.05, 9.55), (1.55, 9.85), (1.55, 10.0), (0.0, 10.0)], "stone", 20, crease=0.3),
+        lathe([(1.05, 9.55), (1.55, 9.85), (1.55, 10.0), (0.0, 10.0)], "stone", 16, crease=0.3),
         lathe([(0.75, 10.0), (0.75, 11.4)], "glass_lit", 12, crease=0.2),
         lathe(
             [(1.0, 11.35), (1.0, 11.5), (0.25, 12.3), (0.10, 12.35), (0.10, 12.6), (0.0, 12.75)],
@@ -146,9 +156,9 @@ def lighthouse() -> Model:
             crease=0.5,
         ),
     ]
-    rail = np.column_stack([circle(17)[:, :2] * 1.45, np.full(17, 10.75)])
+    rail = np.column_stack([circle(12) * 1.45, np.full(12, 10.75)])
     ring = np.vstack([rail, rail[:1]])
-    model.append(tube(ring, 0.035, "trim", 4, caps=(False, False)))
+    model.append(tube(ring, 0.035, "trim", 3, caps=(False, False)))
     for a in np.arange(8) * np.pi / 4:
         model += [
             tube(

@@ -92,7 +92,7 @@ def _duct(x: float, y: float, rim: str) -> Model:
     lip = [(0.141, 0.018), (0.135, 0.030), (0.126, 0.026)]
     inside = [(0.126, 0.026), (0.126, -0.020)]
     motor = lathe([(0.019, -0.004), (0.019, 0.020), (0.012, 0.026), (0.0, 0.026)], "steel", 8)
-    parts: Model = [lathe(outside, "shell", 22), lathe(lip, rim, 22), lathe(inside, "shell_dark", 22), motor]
+    parts: Model = [lathe(outside, "shell", 20), lathe(lip, rim, 20), lathe(inside, "shell_dark", 20), motor]
     angle = np.arctan2(y, x)
     parts.append(box((0.25, 0.012, 0.008), (0, 0, -0.010), "shell_dark").moved(yaw=angle + np.pi / 2))
     return moved(parts, to=(x, y, 0.006))
@@ -109,9 +109,9 @@ def rotor(direction: int) -> Model:
 
 def _blade(length: float, chord: float, material: str, tip: str) -> Model:
     """A thin blade along x whose upper edge leads when it turns counter-clockwise."""
-    stations = np.array([0.06, 0.18, 0.40, 0.84, 0.97, 1.0])
-    chords = chord * np.array([0.35, 0.75, 1.0, 0.70, 0.45, 0.15])
-    twist = np.array([0.55, 0.50, 0.36, 0.22, 0.18, 0.16])
+    stations = np.array([0.06, 0.20, 0.50, 0.90, 1.0])
+    chords = chord * np.array([0.35, 0.80, 1.0, 0.62, 0.20])
+    twist = np.array([0.55, 0.48, 0.32, 0.20, 0.16])
     section = np.array([(-0.5, 0.0), (-0.1, -0.04), (0.5, 0.0), (0.1, 0.07)])  # forward is +y
     rows = [
         np.column_stack(
@@ -185,10 +185,10 @@ def wood_drone() -> Model:
                     (0.0, 0.034),
                 ],
                 "wood_dark",
-                10,
+                8,
             ).moved(end)
         )
-        model.append(lathe([(0.0235, 0.000), (0.0245, 0.004), (0.0235, 0.008)], "brass", 10).moved(end))
+        model.append(lathe([(0.0235, 0.000), (0.0245, 0.004), (0.0235, 0.008)], "brass", 8).moved(end))
         foot = np.array([(0.10 * x, 0.05 * y, -0.02), (0.125 * x, 0.085 * y, -0.07), (0.13 * x, 0.10 * y, -0.125)])
         model.append(tube(foot, [0.013, 0.010, 0.008], "wood_light", 6, along="u"))
         model.append(ball((0.014, 0.014, 0.009), foot[-1], "wood_dark", 8, 4))

@@ -48,7 +48,7 @@ def _screen(width: float, height: float, y: float, z: float) -> Part:
 
 
 def _knob(radius: float, at: tuple[float, float, float]) -> Part:
-    return lathe([(radius, 0.0), (radius * 0.92, 0.020), (radius * 0.5, 0.026), (0.0, 0.026)], "chrome", 12).moved(
+    return lathe([(radius, 0.0), (radius * 0.92, 0.020), (radius * 0.5, 0.026), (0.0, 0.026)], "chrome", 10).moved(
         at, pitch=np.pi / 2
     )
 
@@ -65,7 +65,7 @@ def _stand() -> Model:
                 lathe(
                     [(0.0, -0.013), (0.030, -0.013), (0.035, -0.006), (0.035, 0.006), (0.030, 0.013), (0.0, 0.013)],
                     "rubber",
-                    12,
+                    8,
                 ).moved(foot * [1, 1, 0] + [0, 0, 0.035], roll=np.pi / 2),
             ]
     return model
@@ -108,9 +108,9 @@ def crate() -> Model:
     for a in (-half, half):
         for b in (-half, half):
             model += [
-                box((rail, rail, side), (a, b, side / 2), "wood_light", bevel=0.006),
-                box((side - 2 * rail, rail, rail), (0, a, side / 2 + b), "wood_light", bevel=0.006),
-                box((rail, side - 2 * rail, rail), (a, 0, side / 2 + b), "wood_light", bevel=0.006),
+                box((rail, rail, side), (a, b, side / 2), "wood_light"),
+                box((side - 2 * rail, rail, rail), (0, a, side / 2 + b), "wood_light"),
+                box((rail, side - 2 * rail, rail), (a, 0, side / 2 + b), "wood_light"),
             ]
     for yaw in (0, np.pi / 2, np.pi, -np.pi / 2):
         model.append(

@@ -43,6 +43,7 @@ MATERIALS = {
     "jeans": Material((0.22, 0.27, 0.40), 0.03, 8, texture="fabric", relief=True, tile=0.10),
     "shoes": Material((0.75, 0.22, 0.16), 0.2, 20),
     "sole": Material((0.93, 0.92, 0.88), 0.05, 8),
+    "mouth": Material((0.55, 0.20, 0.18), 0.1),
     "eye": Material((0.05, 0.05, 0.07), 0.6, 60),
     # things
     "plastic": Material((0.10, 0.10, 0.11), 0.3, 30),

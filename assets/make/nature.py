@@ -28,7 +28,7 @@ def island() -> Model:
     rings = [_bent(np.full(len(ANGLES), radius)) for radius in (SQUARE + CURB, SQUARE, 0.2 * SQUARE)]
     paving = surface(rings[1:], "cobbles", closed=True, caps=(False, True))
     curb = surface(rings[:2], "stone", closed=True)
-    slope = [(0.0, 0.0), (2.0, -0.06), (4.5, -0.22), (7.0, -0.45), (10.0, -0.9), (16.0, -2.2)]
+    slope = [(0.0, 0.0), (2.5, -0.08), (7.0, -0.40), (16.0, -2.2)]
     beach = surface([_row(edge + out, z) for out, z in slope[::-1]] + [_row(edge - 2.0)], "sand", closed=True)
     return [paving.boxed(), curb.boxed(), *_meadow(edge - STRIP), _shore(edge), beach.boxed()]
 
@@ -51,11 +51,9 @@ def _meadow(end: Array) -> Model:
         count = len(stops) + 1 if reach is None else stops.index(reach) + 1
         columns = [middle - 1, middle, (middle + 1) % len(ANGLES)]
         covered[:count, columns[:2]] = True
-        part = surface(rows[: count + 1, columns][::-1], "path")
         far = radii_of(rows[: count + 1, middle])[:, None] / 2.5
-        grid = np.dstack(np.broadcast_arrays(np.array([0.0, 0.5, 1.0]), far))
-        flat = surface(np.dstack([grid, np.zeros(grid.shape[:2])])[::-1], "path")
-        parts.append(Part(part.corners, flat.corners[..., :2], "path"))
+        uv = np.dstack(np.broadcast_arrays(np.array([0.0, 0.5, 1.0]), far))
+        parts.append(surface(rows[: count + 1, columns][::-1], "path", uv=uv[::-1]))
     for ring in range(len(radii) - 1):
         sheet = surface(rows[ring : ring + 2][::-1], "grass", closed=True)
         free = np.repeat(~covered[ring], 2)
@@ -87,12 +85,12 @@ def _shore(edge: Array) -> Part:
     turn = np.where((turn < 1.0) & (turn.max(axis=1, keepdims=True) > 5.0), turn + 2 * np.pi, turn)
     outer = radii_of(part.corners) > coast(turn) - STRIP / 2 - 1.0
     around = np.round(2 * np.pi * PLATEAU / 5.0) * 5.0
-    return Part(part.corners, np.stack([turn / (2 * np.pi) * around, np.where(outer, 0.04, 4.96)], axis=-1), "shore")
+    return Part(part.corners, np.stack([turn / (2 * np.pi) * around, np.where(outer, 0.5, 4.5)], axis=-1), "shore")
 
 
 def water() -> Model:
     """A disk of 900 m at the height of the sea; the shader makes the waves."""
-    count = 48
+    count = 32
     rows = [np.column_stack([circle(count) * radius, np.full(count, SEA)]) for radius in (900.0, 350.0, 140.0, 60.0)]
     return [surface(rows, "water", closed=True, caps=(False, True)).boxed()]
 
@@ -101,18 +99,18 @@ def palm(seed: int) -> Model:
     """A bent trunk, two tiers of fronds and a few nuts."""
     rng = np.random.default_rng(seed)
     height = 4.6
-    rise = np.linspace(0, 1, 7)
+    rise = np.linspace(0, 1, 5)
     path = np.column_stack([0.55 * rise**2 - 0.25, 0.12 * np.sin(2.5 * rise), height * rise])
     radius = 0.17 - 0.07 * rise + 0.05 * (1 - rise) ** 6
     top = path[-1]
-    model: Model = [tube(path, radius, "palm_bark", 7, caps=(False, False))]
-    for tier, (count, droop, length) in enumerate(((7, 1.05, 1.75), (5, 0.45, 1.45))):
+    model: Model = [tube(path, radius, "palm_bark", 6, caps=(False, False))]
+    for tier, (count, droop, length) in enumerate(((6, 1.05, 1.75), (5, 0.45, 1.45))):
         for leaf in range(count):
             yaw = 2 * np.pi * (leaf + 0.5 * tier + rng.uniform(-0.15, 0.15)) / count
             model.append(_frond(length * rng.uniform(0.92, 1.08), droop + rng.uniform(-0.1, 0.1)).moved(top, yaw=yaw))
     model += [
         ball((0.10, 0.10, 0.12), top + np.array([0.14 * np.cos(a), 0.14 * np.sin(a), -0.12]), "coconut", 5, 3)
-        for a in (0.5, 2.6, 4.4)
+        for a in (0.5, 3.4)
     ]
     return model
 
@@ -127,19 +125,16 @@ def _frond(length: float, droop: float) -> Part:
     rows = np.array(
         [rib + np.column_stack([np.zeros(4), side * width, -0.55 * width * abs(side)]) for side in (-1, 0, 1)]
     ).swapaxes(0, 1)
-    upper, lower = surface(rows, "frond", crease=1.0), surface(rows[:, ::-1], "frond", crease=1.0)
-    grid = np.dstack(np.broadcast_arrays(along[:, None], np.array([0.0, 0.5, 1.0])[None]))
-    top_uv = surface(np.dstack([grid, np.zeros((4, 3))]), "frond").corners[..., :2]
-    bottom_uv = surface(np.dstack([grid[:, ::-1], np.zeros((4, 3))]), "frond").corners[..., :2]
-    corners = np.concatenate([upper.corners, lower.corners])
-    return Part(corners, np.concatenate([top_uv, bottom_uv])[: len(corners)], "frond", 1.0)
+    uv = np.dstack(np.broadcast_arrays(along[:, None], np.array([0.0, 0.5, 1.0])))
+    upper, lower = (surface(rows[:, way], "frond", uv=uv[:, way]) for way in (slice(None), slice(None, None, -1)))
+    return Part(np.concatenate([upper.corners, lower.corners]), np.concatenate([upper.uv, lower.uv]), "frond", 1.0)
 
 
 def pine(seed: int) -> Model:
     """A straight trunk and five skirts of needles, ragged at the hem."""
     rng = np.random.default_rng(seed)
     model: Model = [tube([(0, 0, 0), (0, 0, 0.25), (0, 0, 1.2)], [0.24, 0.16, 0.13], "bark", 7, caps=(False, False))]
-    count = 12
+    count = 10
     for tier in range(5):
         low, radius, rise = 0.9 + 0.92 * tier, 1.45 - 0.25 * tier, 1.75 - 0.15 * tier
         ragged = np.where(np.arange(count) % 2, 1.0, 0.80) * rng.uniform(0.92, 1.08, count)
@@ -162,21 +157,11 @@ def bush(seed: int) -> Model:
             ((0.38, 0.36, 0.34), (-0.30, -0.34, 0.32)),
         )
     ]
-    for _ in range(9):
+    for _ in range(6):
         angle, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 0.85)
-        model.append(
-            ball(
-                (0.05, 0.05, 0.04),
-                (
-                    0.52 * np.cos(angle) * np.sqrt(1 - up**2) * 1.04,
-                    0.48 * np.sin(angle) * np.sqrt(1 - up**2) * 1.04,
-                    0.40 + 0.49 * up,
-                ),
-                "flower_red",
-                4,
-                3,
-            )
-        )
+        out = np.sqrt(1 - up**2)
+        at = (0.54 * out * np.cos(angle), 0.50 * out * np.sin(angle), 0.40 + 0.49 * up)
+        model.append(ball((0.05, 0.05, 0.04), at, "flower_red", 4, 3))
     return model
 
 

@@ -16,7 +16,7 @@ def person() -> Model:
 
 
 def _upright(
-    sections: list[tuple[float, float, float, float]], material: str, segments: int = 14, power: float = 2.4
+    sections: list[tuple[float, float, float, float]], material: str, segments: int = 12, power: float = 2.4
 ) -> Part:
     """A body along z through ovals: (z, x of the middle, half-width x, half-width y)."""
     return loft([(z, -x, wide, deep) for z, x, deep, wide in sections], material, segments, power).moved(
@@ -37,13 +37,13 @@ def _torso() -> Model:
             (1.46, 0.0, 0.06, 0.09),
         ],
         "jacket",
-        16,
+        12,
         2.6,
     )
     collar = _upright([(1.43, 0.004, 0.078, 0.085), (1.49, 0.008, 0.068, 0.072)], "jacket", 12)
     front = [(0.119, 0, 0.89), (0.118, 0, 1.05), (0.138, 0, 1.22), (0.127, 0, 1.34), (0.085, 0, 1.45)]
     zip_ = tube(front, 0.006, "steel", 4)
-    hips = _upright([(0.80, 0.0, 0.088, 0.168), (0.87, 0.0, 0.108, 0.165)], "jeans", 14)
+    hips = _upright([(0.80, 0.0, 0.088, 0.168), (0.87, 0.0, 0.108, 0.165)], "jeans", 12)
     return [jacket, collar, zip_, hips, tube([(0, 0, 1.42), (0.02, 0, 1.54)], 0.055, "skin", 10)]
 
 
@@ -59,7 +59,7 @@ def _head() -> Model:
                 (1.745, 0.005, 0.06, 0.05),
             ],
             "skin",
-            14,
+            12,
             2.2,
         )
     ]
@@ -73,7 +73,7 @@ def _head() -> Model:
                 (1.765, 0.002, 0.045, 0.040),
             ],
             "hair",
-            12,
+            10,
             2.2,
         )
     )
@@ -87,27 +87,29 @@ def _head() -> Model:
                 (1.782, 0.0, 0.03, 0.026),
             ],
             "accent",
-            12,
+            10,
         )
     )
     model.append(ball((0.018, 0.014, 0.022), (0.118, 0, 1.625), "skin", 6, 4))
+    smile = [(0.113 - 20 * y * y, y, 1.570 + 12 * y * y) for y in (-0.026, -0.010, 0.010, 0.026)]
+    model.append(tube(smile, 0.005, "mouth", 4))
     for side in (1, -1):
         model += [
-            ball((0.008, 0.012, 0.010), (0.108, 0.030 * side, 1.655), "eye", 6, 4),
+            ball((0.008, 0.012, 0.010), (0.108, 0.030 * side, 1.655), "eye", 5, 4),
             ball((0.022, 0.012, 0.030), (0.010, 0.082 * side, 1.635), "skin", 6, 4),
         ]
     return model
 
 
 def _arm(side: int) -> Model:
-    shoulder, elbow = np.array([0.0, 0.205 * side, 1.375]), np.array([0.045, 0.255 * side, 1.10])
+    shoulder, elbow = np.array([0.0, 0.188 * side, 1.365]), np.array([0.03, 0.250 * side, 1.10])
     thumb = np.array([(0.03, -0.015 * side, 0.02), (0.055, -0.045 * side, 0.035)])
     wrist = np.array([HANDS[0] - 0.05, 0.115 * side, HANDS[2] - 0.005])
     return [
-        ball((0.066, 0.060, 0.068), shoulder, "jacket", 10, 6),
-        tube([shoulder, (shoulder + elbow) / 2, elbow], [0.064, 0.056, 0.050], "jacket", 9, caps=(False, False)),
-        ball((0.051, 0.051, 0.051), elbow, "jacket", 9, 6),
-        tube([elbow, (elbow + wrist) / 2, wrist], [0.050, 0.045, 0.038], "jacket", 9, caps=(False, True)),
+        ball((0.062, 0.058, 0.060), shoulder, "jacket", 8, 5),
+        tube([shoulder, (shoulder + elbow) / 2, elbow], [0.060, 0.055, 0.050], "jacket", 8, caps=(False, False)),
+        ball((0.051, 0.051, 0.051), elbow, "jacket", 8, 5),
+        tube([elbow, (elbow + wrist) / 2, wrist], [0.050, 0.045, 0.038], "jacket", 8, caps=(False, True)),
         ball((0.052, 0.030, 0.036), wrist + np.array([0.035, -0.006 * side, 0.0]), "skin", 8, 5),
         tube(wrist + thumb, [0.013, 0.010], "skin", 6),
     ]
@@ -122,9 +124,9 @@ def _leg(side: int) -> Model:
             (-0.005, 0.108 * side, 0.26),
             (-0.012, 0.112 * side, 0.07),
         ],
-        [(0.090, 0.105), (0.086, 0.095), (0.062, 0.066), (0.058, 0.062), (0.056, 0.060)],
+        [(0.082, 0.084), (0.080, 0.086), (0.062, 0.066), (0.058, 0.062), (0.056, 0.060)],
         "jeans",
-        10,
+        8,
     )
     shoe = loft(
         [
@@ -136,7 +138,7 @@ def _leg(side: int) -> Model:
             (0.17, 0.038, 0.022, 0.012),
         ],
         "shoes",
-        10,
+        8,
     )
     sole = box((0.262, 0.088, 0.026), (0.037, 0, 0.013), "sole", bevel=0.010)
     return [leg, *(part.moved((0.0, 0.112 * side, 0), yaw=0.12 * side) for part in (shoe, sole))]

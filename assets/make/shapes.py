@@ -84,18 +84,20 @@ def surface(
     caps: tuple[bool, bool] = (False, False),
     crease: float = 0.7,
     along: str = "v",
+    uv: ArrayLike | None = None,
 ) -> Part:
     """A sheet through rows of points (rows, columns, 3); the columns turn counter-clockwise about the rows' way.
 
     `closed` joins the last column to the first, `caps` close the first and the last row with fans.
-    `along` tells which texture coordinate runs along the rows' way.
+    `along` tells which texture coordinate runs along the rows' way; `uv`, (rows, columns, 2), gives both instead.
     """
     rows = np.asarray(points, float)
     if closed:
         rows = np.concatenate([rows, rows[:, :1]], axis=1)
     around = _lengths(rows.swapaxes(0, 1)).max(axis=1)
-    uv = np.stack(np.broadcast_arrays(around[None, :], _lengths(rows).mean(axis=1)[:, None]), axis=-1)
-    grid = np.dstack([rows, uv])
+    if uv is None:
+        uv = np.stack(np.broadcast_arrays(around[None, :], _lengths(rows).mean(axis=1)[:, None]), axis=-1)
+    grid = np.dstack([rows, np.asarray(uv, float)])
     a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
     soup = np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 3, 5)
     fans = [_fan(row) for row, wanted in ((rows[0, ::-1], caps[0]), (rows[-1], caps[1])) if wanted]
@@ -105,7 +107,11 @@ def surface(
 
 
 def lathe(
-    profile: ArrayLike, material: str, segments: int = 16, crease: float = 0.7, caps: tuple[bool, bool] = (False, False)
+    profile: ArrayLike,
+    material: str,
+    segments: int = 16,
+    crease: float = 0.85,
+    caps: tuple[bool, bool] = (False, False),
 ) -> Part:
     """A profile of (radius, z), turned about z; an outline that goes up has its outside outside."""
     radius, z = np.asarray(profile, float).T
@@ -123,7 +129,7 @@ def tube(
     radius: ArrayLike,
     material: str,
     segments: int = 8,
-    crease: float = 0.7,
+    crease: float = 1.1,
     caps: tuple[bool, bool] = (True, True),
     along: str = "v",
 ) -> Part:
