@@ -91,6 +91,7 @@ class Device:
 
     def release(self) -> None:
         """Gives back everything, the youngest first."""
+        self.context.detect_framebuffer(0).use()  # or the next target would be made beside one that is gone
         while self._releases:
             self._releases.pop()()
         self.programs.clear()

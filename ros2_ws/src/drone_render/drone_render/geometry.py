@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from drone_sim.mesh import MeshError, Model, Part
 from PIL import Image
 
 from drone_render.view import Array
+from drone_sim.mesh import MeshError, Model, Part
 
 
 def tangents(part: Part) -> npt.NDArray[np.float32]:

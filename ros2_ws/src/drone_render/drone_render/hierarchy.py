@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
-from drone_sim.scene import Scene
 
 from drone_render.view import Array, camera_matrix, matrices, pose
+from drone_sim.scene import Scene
 
 LIGHTS = 4  # that an object is lit by, at most
 DARK = 1 / 64  # of a light's brightness; where less than that is left, it has ended

@@ -4,10 +4,10 @@ import struct
 from collections.abc import Sequence
 
 import numpy as np
-from drone_sim.cdr import Layout, Message
-from drone_sim.scene import Camera
 
 from drone_render.view import Array, intrinsics
+from drone_sim.cdr import Layout, Message
+from drone_sim.scene import Camera
 
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
 SECOND = 1_000_000_000  # ns

@@ -8,14 +8,14 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import numpy.typing as npt
-from drone_sim.assets import asset_path
-from drone_sim.mesh import Model, Part
-from drone_sim.scene import Render, Sky, Water
 
 from drone_render.context import Device, packed, write
 from drone_render.geometry import coarse, tangents
 from drone_render.shaders import Variant
 from drone_render.view import Array
+from drone_sim.assets import asset_path
+from drone_sim.mesh import Model, Part
+from drone_sim.scene import Render, Sky, Water
 
 FAINT = 0.05  # a highlight that reflects less is not seen, so it is not computed
 # Levels of detail: below a radius in pixels, vertices within a share of the radius are one. About 3 pixels, that is:
@@ -153,7 +153,8 @@ class SolidPass:
         self.surfaces = [made[model.path] for model in models]
         """Of each object, in the scene's order."""
         # Drawing in this order changes programs and textures least, which costs the driver more than a draw.
-        kinds = {surface: (str(surface.variant(0)), str(surface.textures)) for parts in made.values() for surface in parts}
+        surfaces = [surface for parts in made.values() for surface in parts]
+        kinds = {surface: (str(surface.variant(0)), str(surface.textures)) for surface in surfaces}
         self._rank = {surface: i for i, surface in enumerate(sorted(kinds, key=kinds.__getitem__))}
 
     def draw(self, frame: Frame, near: Sequence[Placed], around: Sequence[Placed], lights: Lights) -> None:
@@ -190,7 +191,8 @@ class WaterPass:
     """The surfaces of water."""
 
     def __init__(self, device: Device, render: Render, water: Water, sun: bool) -> None:
-        self._program = device.program(Variant.of("water", SKY=render.sky is not None, SUN=sun and render.sky is not None))
+        sky = render.sky is not None
+        self._program = device.program(Variant.of("water", SKY=sky, SUN=sun and sky))
         self._device = device
         self._arrays: dict[Path, list[moderngl.VertexArray]] = {}
         number = 2 * math.pi / WAVE_LENGTHS
@@ -220,15 +222,14 @@ class WaterPass:
     def draw(self, model: Model, matrix: bytes) -> None:
         """Draws one body of water."""
         if model.path not in self._arrays:
-            self._arrays[model.path] = [
-                self._device.vertex_array(
-                    self._program, [(self._device.buffer(part.vertices), "3f", "position")], self._device.buffer(part.faces)
-                )
-                for part in model.parts
-            ]
+            self._arrays[model.path] = [self._upload(part) for part in model.parts]
         self._program["model"].write(matrix)  # type: ignore[union-attr]
         for array in self._arrays[model.path]:
             array.render()
+
+    def _upload(self, part: Part) -> moderngl.VertexArray:
+        attributes = [(self._device.buffer(part.vertices), "3f", "position")]
+        return self._device.vertex_array(self._program, attributes, self._device.buffer(part.faces))
 
 
 class SkyPass:

@@ -1,5 +1,6 @@
 """The node that draws: follows the scene and the poses, publishes what its cameras see."""
 
+import contextlib
 import sys
 import threading
 import time
@@ -11,10 +12,9 @@ import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene as SceneMessage
-from drone_sim import scene as scenes
-from drone_sim.cdr import Message, read_transforms
 from PIL import Image as PillowImage
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -32,6 +32,8 @@ from drone_render.image import Picture, camera_info, transforms
 from drone_render.renderer import Renderer
 from drone_render.schedule import Due, Schedule
 from drone_render.view import Array
+from drone_sim import scene as scenes
+from drone_sim.cdr import Message, read_transforms
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
@@ -321,18 +323,19 @@ def main(args: list[str] | None = None) -> None:
     threading.Thread(target=_spin, args=(executor,), name="ros", daemon=True).start()
     try:
         node.run()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except KeyboardInterrupt:
         pass
+    except RCLError:  # ROS may end between two calls
+        if rclpy.ok():
+            raise
     finally:
         node.close()
         rclpy.try_shutdown()
 
 
 def _spin(executor: SingleThreadedExecutor) -> None:
-    try:
+    with contextlib.suppress(ExternalShutdownException):
         executor.spin()
-    except ExternalShutdownException:
-        pass
 
 
 if __name__ == "__main__":

@@ -6,8 +6,6 @@ from typing import Self
 
 import moderngl
 import numpy as np
-from drone_sim import mesh
-from drone_sim.scene import Scene
 
 from drone_render import view
 from drone_render.context import Device
@@ -16,6 +14,8 @@ from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.passes import DETAIL, Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
 from drone_render.view import Array
+from drone_sim import mesh
+from drone_sim.scene import Scene
 
 
 class Renderer:
@@ -102,7 +102,9 @@ class Renderer:
         world = self.hierarchy.world(poses)
         lights = self._lights(world)
         place = self.hierarchy.camera(name, world, time)
-        sun = None if self._sun is None else Sun(self._lighting.positions(world)[self._sun], self._lighting.colours[self._sun])
+        sun = None
+        if self._sun is not None:
+            sun = Sun(self._lighting.positions(world)[self._sun], self._lighting.colours[self._sun])
         clip = view.projection(camera) @ view.view(place)
         half = math.tan(camera.fov / 2)
         frame = Frame(

@@ -4,12 +4,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from drone_sim import scene as scenes
 from PIL import Image
 
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
+from drone_sim import scene as scenes
 
 
 def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
+
 from drone_sim.scene import Camera, Pose
 
 Array = npt.NDArray[np.float64]
@@ -23,7 +24,8 @@ def pose(numbers: Pose) -> Array:
     (sr, sp, sy), (cr, cp, cy) = ([turn(half / 2) for half in (roll, pitch, yaw)] for turn in (math.sin, math.cos))
     return np.array([
         x, y, z,
-        sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy,
     ])  # fmt: skip
 
 

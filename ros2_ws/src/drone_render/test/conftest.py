@@ -7,9 +7,10 @@ import moderngl
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
+
 from drone_render import context
 from drone_sim import assets, scene
-from PIL import Image
 
 HEAD = "version: 1\n"
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drone_sim import mesh
 from PIL import Image
+
+from drone_sim import mesh
 
 OBJ = """mtllib box.mtl
 v 0 0 0

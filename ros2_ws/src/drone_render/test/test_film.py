@@ -1,0 +1,47 @@
+"""Films can be played and miss no picture."""
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from PIL import Image
+
+from drone_render.film import Film, FilmError
+
+SIZE = (64, 48)
+
+
+def pictures(count: int) -> list[bytes]:
+    """Grey pictures, each brighter than the one before."""
+    return [np.full((SIZE[1], SIZE[0], 3), 20 + 8 * i, np.uint8).tobytes() for i in range(count)]
+
+
+def test_an_mp4_has_all_pictures_in_order(tmp_path: Path) -> None:
+    film = Film(tmp_path / "new" / "run.mp4", SIZE, 30)
+    for pixels in pictures(20):
+        film.add(pixels)
+    film.close()
+    with av.open(str(film.path)) as container:
+        stream = container.streams.video[0]
+        assert (stream.average_rate, stream.codec_context.pix_fmt) == (30, "yuv420p")
+        greys = [frame.to_ndarray(format="rgb24").mean() for frame in container.decode(stream)]
+    np.testing.assert_allclose(greys, [20 + 8 * i for i in range(20)], atol=3)
+
+
+def test_a_gif_has_all_pictures(tmp_path: Path) -> None:
+    film = Film(tmp_path / "run.gif", SIZE, 10)
+    for pixels in pictures(5):
+        film.add(pixels)
+    film.close()
+    with Image.open(film.path) as image:
+        assert image.n_frames == 5 and image.size == SIZE and image.info["duration"] == 100  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("name", "size"), [("run.avi", SIZE), ("run.mp4", (63, 48)), ("taken/run.mp4", SIZE)])
+def test_what_cannot_be_a_film_is_said_in_one_line(tmp_path: Path, name: str, size: tuple[int, int]) -> None:
+    (tmp_path / "taken").write_text("a file")
+    with pytest.raises(FilmError) as caught:
+        Film(tmp_path / name, size, 30)
+    assert name in str(caught.value) or "taken" in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,157 @@
+"""What is in the picture, and what is in the programs that draw it."""
+
+from collections.abc import Callable
+
+import moderngl
+import numpy as np
+import pytest
+
+from drone_render import view
+from drone_render.hierarchy import Hierarchy, Lighting
+from drone_render.image import Picture
+from drone_render.renderer import Renderer
+from drone_sim.scene import Scene
+
+Make = Callable[[str], Scene]
+DARK = "render: {ambient: [0, 0, 0]}\n"
+EVERYTHING = """
+render: {sky: {clouds: clouds}, water: {}, normal_mapping: {}, specular: {}}
+objects:
+  floor: {model: floor, pose: [0, 0, -0.5], static: true, shading: water}
+  crate: {model: crate, pose: [4, 0, 1, 0, 0, 0.5], mass: 1}
+  ball: {model: ball, pose: [3, 1, 0.5], mass: 1}
+  lamp: {model: lamp, parent: ball, pose: [0, 0, 0.7]}
+lights:
+  sun: {pose: [-100, 200, 300]}
+  lamp: {parent: ball, pose: [0, 0, 0.7], colour: [1, 0.5, 0.2], reach: 2}
+cameras:
+  front: {size: [160, 120], pose: [0, 0, 1, 0, 0.1, 0]}
+"""
+
+
+def draw(scene: Scene, graphics: moderngl.Context, camera: str = "front", time: float = 0.0) -> np.ndarray:
+    """The picture, (height, width, 3) uint8, of a scene as it starts."""
+    width, height = scene.cameras[camera].size
+    picture = Picture((width, height), camera)
+    with Renderer(scene, graphics) as renderer:
+        renderer.draw(camera, renderer.hierarchy.start, time, picture)
+    return np.frombuffer(picture.pixels(), np.uint8).reshape(height, width, 3)
+
+
+@pytest.mark.parametrize("place", [(6.0, 0.0, 0.0), (5.0, 1.3, 0.9), (8.0, -2.5, -1.5), (30.0, 8.0, 4.0)])
+def test_points_appear_where_camera_info_says(
+    place: tuple[float, float, float], make_scene: Make, graphics: moderngl.Context
+) -> None:
+    scene = make_scene(DARK + f"""
+objects: {{lamp: {{model: lamp, pose: [{place[0]}, {place[1]}, {place[2]}], mass: 1}}}}
+cameras: {{front: {{size: [640, 480], pose: [-0.5, 0.2, 0.3, 0.05, -0.04, 0.1]}}}}
+""")
+    glow = draw(scene, graphics).sum(axis=2).astype(float)
+    rows, columns = np.indices(glow.shape)
+    found = np.array([(columns * glow).sum(), (rows * glow).sum()]) / glow.sum()
+    camera = scene.cameras["front"]
+    optical = np.linalg.inv(view.matrices(view.pose(camera.pose)) @ view.matrices(view.OPTICAL)) @ [*place, 1]
+    expected = view.intrinsics(camera) @ optical[:3]
+    np.testing.assert_allclose(found, expected[:2] / expected[2], atol=0.5)
+
+
+def test_the_first_row_is_the_top(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene(DARK + """
+objects: {lamp: {model: lamp, pose: [2, 0.5, 0.5], mass: 1}}
+cameras: {front: {size: [64, 64]}}
+""")
+    bright = draw(scene, graphics).sum(axis=2)
+    assert bright[:32, :32].any() and not bright[32:].any() and not bright[:, 32:].any()
+
+
+def test_two_draws_are_equal_bytes(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene(EVERYTHING)
+    first = draw(scene, graphics, time=3.0)
+    np.testing.assert_array_equal(first, draw(scene, graphics, time=3.0))
+    assert first.std() > 20
+    assert (first != draw(scene, graphics, time=4.0)).any()  # clouds and waves have moved
+
+
+def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, graphics: moderngl.Context) -> None:
+    words = ["normal_map", "mirrored", "clouds", "zenith", "wave_phase"]
+    with Renderer(make_scene(EVERYTHING), graphics) as renderer:
+        everything = "".join(source_in_use(text) for text in renderer.programs)
+    assert all(word in everything for word in words)
+    plain = EVERYTHING.replace(EVERYTHING.split("\n")[1], "render: {}")
+    with Renderer(make_scene(plain), graphics) as renderer:
+        nothing = "".join(source_in_use(text) for text in renderer.programs)
+    assert not any(word in nothing for word in words)
+
+
+def source_in_use(text: str) -> str:
+    """A shader without what its preprocessor leaves out: #ifdef, #if and #elif of one define, #else, #endif."""
+    defines: dict[str, int] = {}
+    kept: list[str] = []
+    stack: list[tuple[bool, bool]] = []  # is this branch on, was any before
+    for line in text.splitlines():
+        words = line.split("//")[0].split()
+        on = all(branch for branch, _ in stack)
+        match words:
+            case ["#define", name, number]:
+                defines[name] = int(number)
+            case ["#ifdef", name]:
+                stack.append((name in defines, name in defines))
+            case ["#if", name, ">", "0"]:
+                stack.append((defines.get(name, 0) > 0, defines.get(name, 0) > 0))
+            case ["#elif", name, ">", "0"]:
+                _, before = stack.pop()
+                stack.append((not before and defines.get(name, 0) > 0, before or defines.get(name, 0) > 0))
+            case ["#else"]:
+                _, before = stack.pop()
+                stack.append((not before, True))
+            case ["#endif"]:
+                stack.pop()
+            case _ if on:
+                kept.append(" ".join(words))
+    return "\n".join(kept)
+
+
+def test_an_object_is_not_lit_by_its_own_light(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = """
+objects:
+  ball: {model: ball, pose: [3, 0, 0], mass: 1}
+  part: {model: ball, parent: ball, pose: [0, 1.2, 0]}
+  other: {model: ball, pose: [3, -1.2, 0], mass: 1}
+lights: {lamp: {parent: ball, pose: [-2, 0, 0]}}
+cameras: {front: {size: [90, 60], fov: 1.2}}
+"""
+    picture = draw(make_scene(DARK + scene), graphics).sum(axis=2)
+    own, other = picture[:, :58], picture[:, 60:]
+    assert not own.any()  # nor by that of what it hangs on
+    assert other.max() > 300
+
+
+def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None:
+    lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, 3], reach: 2, intensity: 1}}" for i in range(9))
+    lights += "\n  sun: {pose: [0, 0, 900]}\n"
+    scene = make_scene(f"objects: {{ball: {{model: ball, mass: 1}}}}\nlights:\n{lights}")
+    hierarchy = Hierarchy(scene)
+    lighting = Lighting(hierarchy)
+    positions = lighting.positions(hierarchy.world(hierarchy.start))
+    (chosen,) = lighting.strongest(positions, np.zeros((1, 3)), np.array([0.5]))
+    assert list(chosen) == [9, 0, 1, 2]
+    (far,) = lighting.strongest(positions, np.array([[500.0, 0, 0]]), np.array([0.5]))
+    assert list(far) == [9]  # the others have ended
+
+
+def test_children_move_with_their_parents(make_scene: Make) -> None:
+    scene = make_scene("""
+objects:
+  tip: {model: lamp, parent: arm, pose: [1, 0, 0]}
+  arm: {model: lamp, parent: body, pose: [0, 0, 1, 0, 0, 1.5707963267948966]}
+  body: {model: ball, pose: [5, 0, 0, 0, 0, 1.5707963267948966], mass: 1}
+""")
+    hierarchy = Hierarchy(scene)
+    world = hierarchy.world(hierarchy.start)
+    np.testing.assert_allclose(hierarchy.place(world, "tip")[:3, 3], [4, 0, 1], atol=1e-9)
+
+
+def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: moderngl.Context) -> None:
+    picture = draw(make_scene(EVERYTHING), graphics)
+    draw(make_scene(DARK + "objects: {ball: {model: ball, mass: 1}}\ncameras: {front: {}}\n"), graphics)
+    np.testing.assert_array_equal(picture, draw(make_scene(EVERYTHING), graphics))
