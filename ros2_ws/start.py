@@ -33,7 +33,8 @@ def programs(options: argparse.Namespace) -> list[Program]:
         for key, value in ({"use_sim_time": name != "drone_sim"} | parameters).items():
             if value is not None:
                 command += ["-p", f"{key}:={json.dumps(value, default=str)}"]
-        return Program(name, command, environment or {}, terminal, leads=name == "drone_sim")
+        leads = name == "drone_sim"
+        return Program(name, command, environment or {}, terminal, leads, niceness=0 if leads or terminal else 5)
 
     nodes = [node("drone_sim", "drone_sim.sim_node", scene=options.scene, rtf=options.rtf, duration=options.duration)]
     if not options.no_render:
@@ -52,6 +53,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
 def set_environment(options: argparse.Namespace) -> None:
     """What all nodes share; what the person has set already stays."""
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
+    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).with_name("fastdds.xml")))
     os.environ["PYTHONUNBUFFERED"] = "1"
     for library in ("OPENBLAS", "OMP", "NUMBA"):  # a thread pool for each core in each node only costs start-up
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")

@@ -15,6 +15,7 @@ import sys
 import time
 from collections import deque
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO, Self
 
@@ -36,6 +37,7 @@ class Program:
     environment: dict[str, str] = field(default_factory=dict)  # on top of this process's own
     terminal: bool = False  # it talks with the person: the terminal stays its own; when they quit it, all end
     leads: bool = False  # when it is done, all end
+    niceness: int = 0  # above 0, it stands back where processors are few
 
 
 @dataclass
@@ -108,7 +110,7 @@ class Supervisor:
             stdout=None if own else subprocess.PIPE,
             stderr=None if own else subprocess.STDOUT,
             start_new_session=not own,  # else Ctrl-C would reach it twice: from the terminal and from here
-            preexec_fn=_end_with_parent,  # there is one thread only
+            preexec_fn=partial(_prepare, program.niceness),  # there is one thread only
         )
         running = _Running(program, process, (self._log_dir / f"{program.name}.log").open("wb"))
         self._running[program.name] = running
@@ -226,6 +228,7 @@ class _SignalPipe:
             return False
 
 
-def _end_with_parent() -> None:
+def _prepare(niceness: int) -> None:
     """In a new process: have the kernel send SIGINT when the parent is gone, however it went."""
+    os.nice(niceness)
     _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
