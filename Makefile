@@ -10,7 +10,7 @@ SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py')
 RUN        := $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check lock colcon clean
+.PHONY: help fly build test check assets lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -22,6 +22,9 @@ build: $(VENV)/built  ## the environment, the message packages and the assets
 
 test: build  ## style, types, architecture, unit and integration tests
 	@$(RUN) -m pytest
+
+assets: build  ## rebuild models and textures from their scripts, byte for byte
+	@cd assets && $(abspath $(RUN)) -m make
 
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py

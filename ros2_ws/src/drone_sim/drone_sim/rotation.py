@@ -74,4 +74,5 @@ def rotate_all(quaternions: NDArray[np.float64], vectors: NDArray[np.float64]) -
 
 def inverse(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     """The opposite rotations; unit quaternions (n, 4)."""
-    return quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+    conjugate: NDArray[np.float64] = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+    return conjugate
