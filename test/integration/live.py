@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import pytest
@@ -43,6 +44,13 @@ class NodeProcess:
     def output(self) -> str:
         """All that the process has written so far."""
         return os.pread(self._log.fileno(), 1 << 24, 0).decode(errors="replace")
+
+    def child(self, module: str) -> int:
+        """The process that it has started for a Python module; 0 if there is none."""
+        for pid in Path(f"/proc/{self.pid}/task/{self.pid}/children").read_text().split():
+            if module in Path(f"/proc/{pid}/cmdline").read_text().split("\0"):
+                return int(pid)
+        return 0
 
     def send(self, number: signal.Signals) -> None:
         """Sends a signal to the process alone; what it does then is not held against it."""

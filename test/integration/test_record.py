@@ -1,11 +1,13 @@
 """A whole run through start.py: what was heard live is what the bag holds, byte for byte."""
 
+import os
+import signal
 import sys
 from pathlib import Path
 
 import pytest
 from geometry_msgs.msg import PoseStamped
-from live import Graph, Spawn
+from live import Graph, NodeProcess, Spawn
 from rosbags.highlevel import AnyReader
 from tf2_msgs.msg import TFMessage
 
@@ -14,20 +16,24 @@ START = Path(__file__).parents[2] / "ros2_ws" / "start.py"
 HEARD = {"/user_drone/pose": PoseStamped, "/television/pose": PoseStamped, "/tf": TFMessage}
 
 
+def record(spawn: Spawn, folder: Path, *options: str) -> NodeProcess:
+    """A run that records into folder/bag."""
+    return spawn.command("start.py", [
+        sys.executable, str(START), "--scene", str(MEADOW), "--record", str(folder / "bag"), "--no-teleop",
+        "--no-render", "--log-dir", str(folder / "log"), *options,
+    ])
+
+
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_the_bag_holds_what_was_heard(graph: Graph, spawn: Spawn, tmp_path: Path, storage: str) -> None:
-    bag = tmp_path / "bag"
-    run = spawn.command("start.py", [
-        sys.executable, str(START), "--scene", str(MEADOW), "--record", str(bag), "--storage", storage,
-        "--no-teleop", "--no-render", "--log-dir", str(tmp_path / "log"),
-    ])
+    run = record(spawn, tmp_path, "--storage", storage)
     heard = {topic: graph.listen(kind, topic, raw=True) for topic, kind in HEARD.items()}
-    graph.wait_for(bag.is_dir, "the bag")
+    graph.wait_for((tmp_path / "bag").is_dir, "the bag")
     graph.wait_for(lambda: all(len(messages) >= 100 for messages in heard.values()), "100 messages of each topic")
     assert run.interrupt() == 0
 
     kept: dict[str, list[bytes]] = {topic: [] for topic in HEARD}
-    with AnyReader([bag]) as reader:
+    with AnyReader([tmp_path / "bag"]) as reader:
         types = {connection.topic: connection.msgtype for connection in reader.connections}
         for connection, _, data in reader.messages():
             if connection.topic in kept:
@@ -43,3 +49,16 @@ def test_the_bag_holds_what_was_heard(graph: Graph, spawn: Spawn, tmp_path: Path
         for messages in (live, kept[topic]):
             first = messages.index(common[0])
             assert messages[first : first + len(common)] == common
+
+
+def test_the_bag_of_a_killed_recorder_is_completed(graph: Graph, spawn: Spawn, tmp_path: Path) -> None:
+    run = record(spawn, tmp_path)
+    heard = graph.listen(PoseStamped, "user_drone/pose", raw=True)
+    graph.wait_for(lambda: len(heard) >= 150, "150 poses")
+    os.kill(graph.wait_for(lambda: run.child("drone_sim.recorder_node"), "the recorder"), signal.SIGKILL)
+    graph.wait_for(lambda: "drone_recorder was ended by SIGKILL" in run.output(), "the death to be reported")
+    assert run.interrupt() == 1
+    assert "recovered" in run.output().splitlines()[-1]
+    with AnyReader([tmp_path / "bag"]) as reader:
+        poses = [connection for connection in reader.connections if connection.topic == "/user_drone/pose"]
+        assert {bytes(data) for _, _, data in reader.messages(poses)} & {bytes(message) for message in heard}

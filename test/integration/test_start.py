@@ -31,14 +31,6 @@ class Start:
         return self._spawn.command("start.py", command)
 
 
-def child(parent: int, module: str) -> int:
-    """The process that start.py has started for a module; 0 if there is none."""
-    for pid in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
-        if module in Path(f"/proc/{pid}/cmdline").read_text().split("\0"):
-            return int(pid)
-    return 0
-
-
 def test_the_island_flies_for_as_long_as_told(start: Start, tmp_path: Path) -> None:
     run = start("--duration", "3", "--film", str(tmp_path / "film.mp4"))
     assert run.wait(90) == 0
@@ -61,8 +53,7 @@ def test_a_node_that_dies_is_named_and_the_others_go_on(start: Start, graph: Gra
     run = start("--scene", str(MEADOW), "--no-render")
     heard = graph.listen(PoseStamped, "user_drone/pose")
     graph.wait_for(lambda: heard, "the first pose")
-    ai = graph.wait_for(lambda: child(run.pid, "drone_ai.ai_node"), "the AI's process")
-    os.kill(ai, signal.SIGKILL)
+    os.kill(graph.wait_for(lambda: run.child("drone_ai.ai_node"), "the AI's process"), signal.SIGKILL)
     graph.wait_for(lambda: "drone_ai was ended by SIGKILL" in run.output(), "the death to be reported")
     before = len(heard)
     graph.wait_for(lambda: len(heard) > before + 30, "the simulation to go on")
