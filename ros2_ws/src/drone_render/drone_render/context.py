@@ -66,6 +66,14 @@ class Device:
             self._textures[path] = texture
         return self._textures[path]
 
+    def plain_texture(self, size: tuple[int, int], values: npt.NDArray[np.uint8]) -> moderngl.Texture:
+        """A texture of one number a pixel that is not repeated, without mip maps; the bottom row comes first."""
+        texture = self.context.texture(size, 1, values.tobytes(), alignment=1)
+        texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        texture.repeat_x = texture.repeat_y = False
+        self._releases.append(texture.release)
+        return texture
+
     def buffer(self, array: npt.NDArray[np.generic]) -> moderngl.Buffer:
         """A vertex or index buffer with the array's bytes."""
         buffer = self.context.buffer(array.tobytes())
@@ -82,9 +90,9 @@ class Device:
         self._releases.append(array.release)
         return array
 
-    def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+    def target(self, size: tuple[int, int], components: int = 4, dtype: str = "f1") -> moderngl.Framebuffer:
         """Colour and depth of a picture."""
-        colour, depth = self.context.renderbuffer(size), self.context.depth_renderbuffer(size)
+        colour, depth = self.context.renderbuffer(size, components, dtype=dtype), self.context.depth_renderbuffer(size)
         target = self.context.framebuffer([colour], depth)
         self._releases += [colour.release, depth.release, target.release]
         return target

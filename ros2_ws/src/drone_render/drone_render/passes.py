@@ -12,6 +12,7 @@ import numpy.typing as npt
 from drone_render.context import Device, packed, write
 from drone_render.geometry import coarse, tangents
 from drone_render.shaders import Variant
+from drone_render.shore import Shore
 from drone_render.view import Array
 from drone_sim.assets import asset_path
 from drone_sim.mesh import Model, Part
@@ -25,7 +26,7 @@ GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m
 WAVE_HEADINGS = np.array([0.4, -0.5, 1.3, -1.6])  # rad
 CROWDED = 2.5  # how soon waves fade as they shrink: half is left where one is 16 pixels long
-WAVE_SHARES = np.array([0.30, 0.28, 0.24, 0.18])  # of the wave height
+WAVE_SHARES = np.array([0.16, 0.18, 0.20, 0.18])  # of the wave height
 
 
 @dataclass(frozen=True)
@@ -190,14 +191,17 @@ class SolidPass:
 class WaterPass:
     """The surfaces of water."""
 
-    def __init__(self, device: Device, render: Render, water: Water, sun: bool) -> None:
+    def __init__(self, device: Device, render: Render, water: Water, sun: bool, shore: Shore | None) -> None:
         sky = render.sky is not None
-        self._program = device.program(Variant.of("water", SKY=sky, SUN=sun and sky))
+        self._program = device.program(Variant.of("water", SKY=sky, SUN=sun and sky, SHORE=shore is not None))
+        self._shore = shore
+        if shore is not None:
+            write(self._program, square=shore.square)
         self._device = device
         self._arrays: dict[Path, list[moderngl.VertexArray]] = {}
         number = 2 * math.pi / WAVE_LENGTHS
         heading = np.cos(WAVE_HEADINGS), np.sin(WAVE_HEADINGS)
-        slope = 2 * math.pi * water.wave_height * WAVE_SHARES
+        slope = math.pi * water.wave_height * WAVE_SHARES
         self._number = number
         self._speed = np.sqrt(GRAVITY * number) * water.wave_speed  # rad/s, deep water
         write(
@@ -211,6 +215,8 @@ class WaterPass:
 
     def begin(self, frame: Frame) -> None:
         """Sets the camera, and moves the waves to the time of the picture."""
+        if self._shore is not None:
+            self._shore.texture.use(0)
         write(
             self._program,
             view_projection=frame.view_projection.T, eye=frame.eye,

@@ -13,6 +13,7 @@ from drone_render.geometry import sphere
 from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.passes import DETAIL, Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
+from drone_render.shore import Shore, survey
 from drone_render.view import Array
 from drone_sim import mesh
 from drone_sim.scene import Scene
@@ -66,12 +67,26 @@ class Renderer:
         self._solid = SolidPass(self._device, render, self._models, self._radii)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
-        self._water = None if render.water is None else WaterPass(self._device, render, render.water, has_sun)
+        self._water = None
+        if render.water is not None and self._is_water.any():
+            self._water = WaterPass(self._device, render, render.water, has_sun, self._survey())
         self._sky = None if render.sky is None else SkyPass(self._device, render.sky, has_sun)
         self._background = render.ambient if render.sky is None else render.sky.horizon
         for camera in scene.cameras.values():
             if camera.size not in self._targets:
                 self._targets[camera.size] = self._device.target(camera.size)
+
+    def _survey(self) -> Shore | None:
+        world = self.hierarchy.world(self.hierarchy.start)
+        things = list(self.scene.objects.values())
+        land = [
+            (self._models[row], world[row])
+            for row, thing in enumerate(things)
+            if thing.static and not self._is_water[row]
+        ]
+        waters = np.flatnonzero(self._is_water)
+        level = min(float(world[row, 2, 3] + self._models[row].high[2]) for row in waters)
+        return survey(self._device, land, level)
 
     def _warm_up(self) -> None:
         """Draws with every program that can occur: the driver compiles each at its first use, which takes a while."""

@@ -14,6 +14,10 @@ uniform vec4 wave_phase;  // rad
 uniform vec4 slope_x;     // steepest slope of each train
 uniform vec4 slope_y;
 uniform vec4 wave_pixel;  // radians of a wave within the angle of a pixel, at a distance of 1 m
+#ifdef SHORE
+uniform vec3 square;      // of the survey: its middle and half its side
+uniform sampler2D shore;  // how clear the water is
+#endif
 out vec3 pixel;
 
 void main() {
@@ -31,8 +35,8 @@ void main() {
 
     float facing = max(dot(n, v), 0.0);
     float away = 1.0 - facing;
-    float square = away * away;
-    float fresnel = 0.02 + 0.98 * square * square * away;
+    float away2 = away * away;
+    float fresnel = 0.02 + 0.78 * away2 * away2 * away;  // not 1: far waves hide each other's flat sides
     vec3 mirrored = reflect(-v, n);
     mirrored.z = abs(mirrored.z);
 
@@ -40,11 +44,24 @@ void main() {
 #ifdef SUN
     light += sun_colour * max(dot(n, sun_direction), 0.0);
 #endif
-    vec3 body = mix(deep, shallow, clamp(0.6 * facing * facing + 0.25 * (rise.x + rise.z), 0.0, 1.0)) * light;
+#ifdef SHORE
+    float clear = texture(shore, (surface.xy - square.xy) / square.z * 0.5 + 0.5).r;
+#else
+    float clear = 0.0;
+#endif
+    float lift = 0.08 * (rise.x + rise.z);
+    vec3 body = mix(deep, shallow, clamp(1.6 * clear + 0.25 * facing + lift, 0.0, 1.0)) * light;
 #ifdef SKY
     pixel = mix(body, sky(mirrored), fresnel);
+    float near = 450.0 * nearness;
+    pixel = mix(pixel, horizon, 1.0 / (1.0 + near * near));  // haze, so that sea and sky meet
 #else
     pixel = mix(body, ambient, fresnel);
+#endif
+#ifdef SHORE
+    // Foam where the waves run out, its edge moved by them; it hides neither light nor colour below all of it.
+    float foam = clamp((clear + 0.10 * (rise.y + rise.z) - 0.86) * 9.0, 0.0, 1.0);
+    pixel = mix(pixel, light, 0.75 * foam);
 #endif
 #ifdef SUN
     float s = max(dot(mirrored, sun_direction), 0.0);
