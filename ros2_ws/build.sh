@@ -26,3 +26,7 @@ fi
 # Our Python packages run from their sources: an edit counts at once, and kernels are cached beside them.
 for package in "$source_dir"/drone_*/setup.py; do dirname "$package"; done \
   > "$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/drone_sim_workspace.pth"
+
+# The command `topic`, which works in an environment that is not activated, too.
+printf '#!/bin/sh\nPYTHONPATH="%s" exec "%s" -P -m topic "$@"\n' "${source_dir%/src}" "$python" \
+  > "$venv/bin/topic" && chmod +x "$venv/bin/topic"
