@@ -10,7 +10,7 @@ import av
 import numpy as np
 from PIL import Image
 
-WAITING = 64  # frames that may wait for the encoder; beyond, drawing waits, as a film never drops any
+WAITING = 16  # frames that may wait for the encoder; beyond, drawing waits, as a film never drops any
 
 
 class FilmError(ValueError):
@@ -69,9 +69,12 @@ class Film:
 
     def _mp4(self) -> None:
         width, height = self.size
-        with av.open(str(self.path), "w", options={"movflags": "faststart"}) as container:
+        # In fragments of a second, so that what is there can be played even if the process is killed.
+        options = {"movflags": "frag_keyframe+empty_moov+default_base_moof"}
+        with av.open(str(self.path), "w", options=options) as container:
             stream = container.add_stream("libx264", rate=self._rate, options={"preset": "veryfast", "crf": "20"})
             stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+            stream.codec_context.gop_size = self._rate
             stream.codec_context.thread_count = 1  # the physics needs the other core
             stream.codec_context.time_base = Fraction(1, self._rate)
             for i, pixels in enumerate(self._pictures()):

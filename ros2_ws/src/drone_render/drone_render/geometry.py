@@ -1,6 +1,5 @@
 """Parts of models as the graphics device wants them: tangents, bounding spheres, textures."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,37 +32,6 @@ def tangents(part: Part) -> npt.NDArray[np.float32]:
     u = np.where(length > 1e-9, u / np.maximum(length, 1e-9), any_other)
     side = np.where(np.einsum("ni,ni->n", np.cross(normals, u), v) < 0, -1.0, 1.0)
     return np.hstack([u, side[:, None]]).astype(np.float32)
-
-
-def coarse(part: Part, cell: float) -> Part:
-    """The part with all vertices of a cube of `cell` m made one; faces that vanish are left out.
-
-    After Rossignac and Borrel, Multi-resolution 3D approximations. Faces that look different ways stay apart.
-    """
-    cells = np.floor(part.vertices / cell).astype(np.int64)
-    facing = np.argmax(np.abs(part.normals), axis=1)
-    side = 2 * facing + (part.normals[np.arange(len(facing)), facing] < 0)
-    places, at = _merged(cells, part.vertices)
-    _, corner = np.unique(np.column_stack([at, side]), axis=0, return_inverse=True)
-    corner = corner.reshape(-1)
-    first = np.zeros(corner.max(initial=-1) + 1, np.int64)
-    first[corner] = np.arange(len(corner))
-    faces = corner[part.faces]
-    spots = at[part.faces]
-    kept = (spots[:, 0] != spots[:, 1]) & (spots[:, 1] != spots[:, 2]) & (spots[:, 2] != spots[:, 0])
-    return replace(
-        part, vertices=places[at[first]].astype(np.float32), normals=part.normals[first], uv=part.uv[first],
-        faces=np.unique(faces[kept], axis=0).astype(np.int32).reshape(-1, 3),
-    )  # fmt: skip
-
-
-def _merged(keys: npt.NDArray[np.int64], values: npt.NDArray[np.float32]) -> tuple[Array, npt.NDArray[np.intp]]:
-    """The means of the rows that have equal keys, and which mean each row belongs to."""
-    _, group, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    group = group.reshape(-1)
-    sums = np.zeros((len(counts), values.shape[1]))
-    np.add.at(sums, group, values)
-    return sums / counts[:, None], group
 
 
 def sphere(model: Model) -> tuple[Array, float]:

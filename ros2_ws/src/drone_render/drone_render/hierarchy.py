@@ -71,10 +71,7 @@ class Lighting:
         self.colours *= np.where(self.falloff > 0, 1 / (1 - DARK), 1.0)[:, None]
         self._cut = np.where(self.falloff > 0, DARK, 0.0)
         self.lit = np.array(
-            [
-                [light.parent not in {name, *hierarchy.ancestors(name)} for light in lights]
-                for name in hierarchy.names
-            ],
+            [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
             dtype=np.bool_,
         ).reshape(len(hierarchy.names), len(lights))
         """(objects, lights): False for the lights of an object itself and of whatever it hangs on."""

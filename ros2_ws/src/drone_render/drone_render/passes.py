@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render.context import Device, packed, write
-from drone_render.geometry import coarse, tangents
+from drone_render.geometry import tangents
 from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.view import Array
@@ -18,10 +18,7 @@ from drone_sim.assets import asset_path
 from drone_sim.mesh import Model, Part
 from drone_sim.scene import Render, Sky, Water
 
-FAINT = 0.05  # a highlight that reflects less is not seen, so it is not computed
-# Levels of detail: below a radius in pixels, vertices within a share of the radius are one. About 3 pixels, that is:
-# a software rasteriser shades blocks of 4 x 4, however little of them a triangle covers.
-DETAIL = ((60.0, 1 / 20), (25.0, 1 / 8), (10.0, 1 / 4))
+FAINT = 0.1  # a highlight that reflects less is not seen, so it is not computed
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m
 WAVE_HEADINGS = np.array([0.4, -0.5, 1.3, -1.6])  # rad
@@ -71,27 +68,33 @@ class Lights:
 
 @dataclass(frozen=True)
 class Placed:
-    """An object in a picture: its row in the scene, its packed matrix, its level of detail, its lights."""
+    """An object in a picture: its row in the scene, its packed matrix, its lights."""
 
     row: int
     matrix: bytes
-    level: int
     lights: npt.NDArray[np.intp]
 
 
 class Surface:
-    """One part of a model on the device, in several levels of detail, and the programs that draw it."""
+    """One part of a model on the device, and the programs that draw it, one for each number of lights."""
 
-    def __init__(self, device: Device, part: Part, radius: float, render: Render) -> None:
+    def __init__(self, device: Device, part: Part, render: Render) -> None:
         material = part.material
         normal_map = material.normal_map if render.normal_mapping is not None else None
         self._device = device
         self._material = material
         self._maps = {"colour_map": material.colour_map, "normal_map": normal_map}
         self._specular = render.specular is not None and max(material.specular) >= FAINT
-        self._levels = [part, *(coarse(part, radius * share) for _, share in DETAIL)]
-        self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
-        self._buffers: dict[int, tuple[list[tuple[moderngl.Buffer, str, str]], moderngl.Buffer]] = {}
+        self._attributes = [
+            (device.buffer(part.vertices), "3f", "position"),
+            (device.buffer(part.normals), "3f", "normal"),
+        ]
+        if any(self._maps.values()):
+            self._attributes.append((device.buffer(part.uv), "2f", "uv"))
+        if normal_map is not None:
+            self._attributes.append((device.buffer(tangents(part)), "4f", "tangent"))
+        self._index = device.buffer(part.faces)
+        self._arrays: dict[int, moderngl.VertexArray] = {}
         self.textures = tuple(device.texture(path) for path in self._maps.values() if path is not None)
 
     def variant(self, lights: int) -> Variant:
@@ -106,25 +109,12 @@ class Surface:
             SPECULAR=squarings(self._material.shininess) if self._specular else False,
         )
 
-    def array(self, level: int, lights: int) -> moderngl.VertexArray | None:
-        """What to draw at a level of detail with so many lights; None if nothing is left at that level."""
-        if not len(self._levels[level].faces):
-            return None
-        if (level, lights) not in self._arrays:
-            if level not in self._buffers:
-                self._buffers[level] = self._upload(self._levels[level])
+    def array(self, lights: int) -> moderngl.VertexArray:
+        """What to draw with so many lights."""
+        if lights not in self._arrays:
             program = self._device.program(self.variant(lights))
-            self._arrays[level, lights] = self._device.vertex_array(program, *self._buffers[level])
-        return self._arrays[level, lights]
-
-    def _upload(self, part: Part) -> tuple[list[tuple[moderngl.Buffer, str, str]], moderngl.Buffer]:
-        buffer = self._device.buffer
-        attributes = [(buffer(part.vertices), "3f", "position"), (buffer(part.normals), "3f", "normal")]
-        if any(self._maps.values()):
-            attributes.append((buffer(part.uv), "2f", "uv"))
-        if self._maps["normal_map"] is not None:
-            attributes.append((buffer(tangents(part)), "4f", "tangent"))
-        return attributes, buffer(part.faces)
+            self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
+        return self._arrays[lights]
 
     def paint(self, program: moderngl.Program) -> None:
         """Gives the program this material and these textures."""
@@ -144,13 +134,13 @@ def squarings(shininess: float) -> int:
 class SolidPass:
     """All that is neither water nor sky. Equal models are on the device once, and equal states are set once."""
 
-    def __init__(self, device: Device, render: Render, models: Sequence[Model], radii: Array) -> None:
+    def __init__(self, device: Device, render: Render, models: Sequence[Model]) -> None:
         self._device = device
         self._ambient = render.ambient
         made: dict[Path, list[Surface]] = {}
-        for model, radius in zip(models, radii, strict=True):
+        for model in models:
             if model.path not in made:
-                made[model.path] = [Surface(device, part, float(radius), render) for part in model.parts]
+                made[model.path] = [Surface(device, part, render) for part in model.parts]
         self.surfaces = [made[model.path] for model in models]
         """Of each object, in the scene's order."""
         # Drawing in this order changes programs and textures least, which costs the driver more than a draw.
@@ -174,9 +164,7 @@ class SolidPass:
         painted: tuple[moderngl.Program, Surface] | None = None
         for surface, placed in draws:
             count = len(placed.lights)
-            array = surface.array(placed.level, count)
-            if array is None:
-                continue
+            array = surface.array(count)
             program = array.program
             program["model"].write(placed.matrix)  # type: ignore[union-attr]
             if count:

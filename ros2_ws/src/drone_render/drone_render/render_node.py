@@ -1,10 +1,10 @@
 """The node that draws: follows the scene and the poses, publishes what its cameras see."""
 
-import contextlib
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,43 +18,25 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from sensor_msgs.msg import CameraInfo, Image
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
-from drone_render import context, view
+from drone_render import context
 from drone_render.film import Film, FilmError
 from drone_render.history import SECOND
-from drone_render.image import Picture, camera_info, transforms
+from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.schedule import Due, Schedule
+from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
-from drone_sim.cdr import Message, read_transforms
+from drone_sim.cdr import read_transforms
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
-FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
-
-
-@dataclass
-class Shutter:
-    """One camera: where its pictures go, and what they took."""
-
-    picture: Picture
-    info: Message
-    image_publisher: Publisher
-    info_publisher: Publisher
-    moving: Message | None  # its transform, if that changes from picture to picture
-    drawn: int = 0
-    seconds: float = 0.0
-
-    def watched(self) -> bool:
-        """Whether anybody listens."""
-        return bool(self.image_publisher.get_subscription_count() or self.info_publisher.get_subscription_count())
+FINISH_WITHIN = 0.5  # s, for the pictures of a film that are left when all ends
 
 
 @dataclass
@@ -97,7 +79,6 @@ class RenderNode(Node):
         self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
         self.create_subscription(String, "camera/select", self._on_select, LATCHED)
         self.create_service(Trigger, "~/save_image", self._on_save_image)
-        self._tf = self.create_publisher(TFMessage, "tf", QoSProfile(depth=100))
         self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -159,13 +140,10 @@ class RenderNode(Node):
         with self._changed:
             dropped = 0 if self._schedule is None else self._schedule.dropped
             values = {"frames drawn": str(self._drawn), "frames dropped": str(dropped), "selected": self._selected}
-            for name, shutter in self._shutters.items():
-                if shutter.drawn:
-                    values[f"ms per frame of {name}"] = f"{1000 * shutter.seconds / shutter.drawn:.2f}"
-                shutter.drawn, shutter.seconds = 0, 0.0
+            times = [value for shutter in self._shutters.values() for value in shutter.report()]
         status = DiagnosticStatus(name="drone_render: pictures", hardware_id=context.device_name(self._graphics))
         status.level, status.message = DiagnosticStatus.OK, "drawing" if self._renderer else "waiting for a scene"
-        status.values = [KeyValue(key=key, value=value) for key, value in values.items()]
+        status.values = [KeyValue(key=key, value=value) for key, value in values.items()] + times
         message = DiagnosticArray(status=[status])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
@@ -190,6 +168,8 @@ class RenderNode(Node):
                 self._answer(request)
             if due is not None:
                 self._draw(due)
+        for request in self._requests:
+            request.done.set()
 
     def close(self) -> None:
         """Finishes the film with what is left of it, and gives the device back."""
@@ -221,35 +201,15 @@ class RenderNode(Node):
         film = float(self._film_rate) if self._film_path else None
         hierarchy = renderer.hierarchy
         for shutter in self._shutters.values():
-            self.destroy_publisher(shutter.image_publisher)
-            self.destroy_publisher(shutter.info_publisher)
+            shutter.close()
         with self._changed:
             self._schedule = Schedule(hierarchy.names, hierarchy.start, scene.rates.physics, scene.rates.draw, film)
-            self._shutters = {name: self._shutter(name, camera) for name, camera in scene.cameras.items()}
+            self._shutters = {name: Shutter(self, name, camera) for name, camera in scene.cameras.items()}
             self._selected = next(iter(self._shutters), "")
             if self._wanted_camera:
                 self._select(self._wanted_camera)
-        self._publish_rigid(scene)
+        self._tf_static.publish(rigid_transforms(scene.cameras))
         self.get_logger().info(f"scene {scene.name}: cameras {', '.join(scene.cameras) or 'none'}")
-
-    def _shutter(self, name: str, camera: scenes.Camera) -> Shutter:
-        frame = f"{name}_optical"
-        return Shutter(
-            Picture(camera.size, frame),
-            camera_info(camera, frame),
-            self.create_publisher(Image, f"camera/{name}/image_raw", qos_profile_sensor_data),
-            self.create_publisher(CameraInfo, f"camera/{name}/camera_info", qos_profile_sensor_data),
-            transforms([("world", name, view.ORIGIN)]) if view.turns(camera) else None,
-        )
-
-    def _publish_rigid(self, scene: scenes.Scene) -> None:
-        """Says once how cameras hang on their parents, and their optical frames on them."""
-        rigid: list[tuple[str, str, Array]] = []
-        for name, camera in scene.cameras.items():
-            if not view.turns(camera):
-                rigid.append((camera.parent or "world", name, view.pose(camera.pose)))
-            rigid.append((name, f"{name}_optical", view.OPTICAL))
-        self._tf_static.publish(bytes(transforms(rigid)))
 
     def _draw(self, due: Due) -> None:
         poses = due.moment.poses()
@@ -272,15 +232,8 @@ class RenderNode(Node):
         shutter.seconds += time.perf_counter() - start
         shutter.drawn += 1
         self._drawn += 1
-        if not live:
-            return
-        if shutter.moving is not None:
-            shutter.moving.stamp(stamp)
-            shutter.moving.write("pose", view.pose_of(place))
-            self._tf.publish(bytes(shutter.moving))
-        shutter.info.stamp(stamp)
-        shutter.info_publisher.publish(bytes(shutter.info))
-        shutter.image_publisher.publish(shutter.picture.message(stamp))
+        if live:
+            shutter.publish(stamp, place)
 
     def _expose(self, picture: Picture) -> None:
         """Adds a picture to the film, whose size is that of its first one."""
@@ -320,10 +273,12 @@ def main(args: list[str] | None = None) -> None:
         sys.exit(f"drone_render: {error}")
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    threading.Thread(target=_spin, args=(executor,), name="ros", daemon=True).start()
+    spinning = ThreadPoolExecutor(1, "ros").submit(executor.spin)
+    spinning.add_done_callback(lambda _: rclpy.try_shutdown())  # a callback that failed ends the node
     try:
         node.run()
-    except KeyboardInterrupt:
+        spinning.result()
+    except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RCLError:  # ROS may end between two calls
         if rclpy.ok():
@@ -331,11 +286,6 @@ def main(args: list[str] | None = None) -> None:
     finally:
         node.close()
         rclpy.try_shutdown()
-
-
-def _spin(executor: SingleThreadedExecutor) -> None:
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
 
 
 if __name__ == "__main__":

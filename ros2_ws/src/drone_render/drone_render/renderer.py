@@ -12,7 +12,7 @@ from drone_render.context import Device
 from drone_render.geometry import sphere
 from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
 from drone_render.image import Picture
-from drone_render.passes import DETAIL, Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
+from drone_render.passes import Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
 from drone_render.shore import Shore, survey
 from drone_render.view import Array
 from drone_sim import mesh
@@ -64,7 +64,7 @@ class Renderer:
         self._is_water = np.array(
             [thing.shading == "water" and render.water is not None for thing in scene.objects.values()], dtype=bool
         )
-        self._solid = SolidPass(self._device, render, self._models, self._radii)
+        self._solid = SolidPass(self._device, render, self._models)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
         self._water = None
@@ -99,9 +99,7 @@ class Renderer:
                 for count in range(min(int(self._lighting.lit[row].sum()), LIGHTS) + 1):
                     variant = surface.variant(count)
                     if not self._is_water[row] and variant not in self._device.programs:
-                        array = surface.array(0, count)
-                        if array is None:
-                            continue
+                        array = surface.array(count)
                         surface.paint(array.program)
                         array.program["view_projection"] = array.program["model"] = tuple(np.eye(4).ravel())
                         array.render()
@@ -152,12 +150,10 @@ class Renderer:
         planes = view.frustum(frame.view_projection)
         inside = centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]
         away = np.linalg.norm(centres - frame.eye, axis=1)
-        pixels = self._radii / np.maximum(away * frame.pixel, 1e-9)
-        levels = sum((pixels < limit).astype(int) for limit, _ in DETAIL)
         chosen = self._lighting.strongest(lights.positions[:, :3].astype(np.float64), centres, self._radii)
         matrices = np.ascontiguousarray(world.transpose(0, 2, 1), dtype=np.float32)
         seen = [
-            Placed(int(row), matrices[row].tobytes(), int(levels[row]), chosen[row])
+            Placed(int(row), matrices[row].tobytes(), chosen[row])
             for row in np.argsort(away, kind="stable")
             if inside[row].all()
         ]

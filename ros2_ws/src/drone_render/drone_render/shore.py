@@ -30,9 +30,9 @@ def survey(device: Device, land: Sequence[tuple[Model, Array]], level: float) ->
     """Looks at models, each at its matrix (4, 4), from above; level: of the water, m. None without any land."""
     if not land:
         return None
-    corners = np.array([matrix[:2, 3] + side * radius for model, matrix in land for side in (-1, 1)
-                        for radius in [np.abs(np.array([model.low, model.high])).max()]])
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    centres = np.array([matrix[:2, 3] for _, matrix in land])
+    reach = np.array([[np.abs([model.low, model.high]).max()] for model, _ in land])
+    low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
     middle, half = (low + high) / 2, float((high - low).max()) / 2
     square = float(middle[0]), float(middle[1]), half
     heights = _heights(device, land, square)

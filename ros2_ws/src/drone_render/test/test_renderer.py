@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from drone_render import view
+from drone_render.context import Device
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
+from drone_render.shore import survey
+from drone_sim import mesh
 from drone_sim.scene import Scene
 
 Make = Callable[[str], Scene]
@@ -155,3 +158,17 @@ def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: mode
     picture = draw(make_scene(EVERYTHING), graphics)
     draw(make_scene(DARK + "objects: {ball: {model: ball, mass: 1}}\ncameras: {front: {}}\n"), graphics)
     np.testing.assert_array_equal(picture, draw(make_scene(EVERYTHING), graphics))
+
+
+def test_water_is_clear_where_land_is_near(make_scene: Make, graphics: moderngl.Context) -> None:
+    device = Device(graphics)
+    model = mesh.load(make_scene("objects: {floor: {model: crate, mass: 1}}").model_path("floor"))
+    far, near = np.eye(4), np.eye(4)
+    far[:3, 3], near[:3, 3] = (-10, 0, -9), (10, 0, -0.4)
+    shore = survey(device, [(model, far), (model, near)], level=0.0)
+    assert shore is not None and shore.square[:2] == (0, 0)
+    clear = np.frombuffer(shore.texture.read(), np.uint8).reshape(shore.texture.size)
+    device.release()
+    middle = len(clear) // 2
+    assert clear[middle].nonzero()[0].min() > middle  # the block at x = 10 alone; the other lies too deep
+    assert clear.max() == 255
