@@ -7,6 +7,7 @@ from fractions import Fraction
 from drone_render.view import Array, interpolate
 
 SECOND = 1_000_000_000  # ns
+LEAP = 60 * SECOND  # ns; what is further apart is another run, not a state that got lost
 SLACK = 1_000  # ns; a stamp that was rounded to ns is still on time
 
 
@@ -57,8 +58,8 @@ class History:
     def push(self, stamp: int, children: Sequence[str], poses: Array) -> tuple[State, State] | None:
         """Takes the poses of some objects, in ns and (m, 7); names that are not the scene's are left out.
 
-        Returns the state before and the new one; None for the very first, and where time went back: there
-        is nothing in between then.
+        Returns the state before and the new one; None for the very first, and where time went back or leapt
+        ahead: there is nothing in between then.
         """
         known = [i for i, name in enumerate(children) if name in self._row]
         if not known:
@@ -67,7 +68,7 @@ class History:
         merged = before.poses.copy()
         merged[[self._row[children[i]] for i in known]] = poses[known]
         self.latest = State(stamp, merged)
-        if not self._known or stamp <= before.stamp:
+        if not self._known or not 0 < stamp - before.stamp <= LEAP:
             self._known = True
             return None
         return before, self.latest

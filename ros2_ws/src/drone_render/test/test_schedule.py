@@ -78,6 +78,13 @@ def test_after_time_went_back_drawing_goes_on_from_there() -> None:
     assert due is not None and SECOND < due.moment.stamp <= SECOND + SECOND // 30
 
 
+def test_a_leap_ahead_is_not_drawn_through() -> None:
+    schedule = Schedule(NAMES, START, 30, 60)
+    for stamp in (SECOND, 5000 * SECOND):
+        schedule.push(stamp, ["drone"], poses(0), 0.0)
+    assert schedule.pop(np.inf) is None and schedule.dropped == 0
+
+
 def test_names_of_other_scenes_are_left_out() -> None:
     history = History(NAMES, START)
     assert history.push(5, ["chase"], poses(9)) is None
