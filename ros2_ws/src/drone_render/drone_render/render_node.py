@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -32,11 +33,12 @@ from drone_render.schedule import Due, Schedule
 from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
-from drone_sim.cdr import read_transforms
+from drone_sim.cdr import Transforms, read_transforms
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
-FINISH_WITHIN = 0.5  # s, for the pictures of a film that are left when all ends
+EARLY = 10_000  # states kept for a film while its scene is being loaded
+FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
 
 
 @dataclass
@@ -68,6 +70,8 @@ class RenderNode(Node):
         self._wanted_scene: SceneMessage | None = None
         self._requests: list[Request] = []
         self._schedule: Schedule | None = None
+        # States that come while the scene is being loaded; a film begins with the first of them.
+        self._early: deque[Transforms] = deque(maxlen=EARLY if self._film_path else 1)
         self._renderer: Renderer | None = None
         self._film: Film | None = None
         self._hash = ""
@@ -101,7 +105,9 @@ class RenderNode(Node):
             self.get_logger().warning(f"tf: {error}; left out", throttle_duration_sec=5.0)
             return
         with self._changed:
-            if self._schedule is not None:
+            if self._schedule is None:
+                self._early.append(state)
+            else:
                 self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
                 self._changed.notify()
 
@@ -174,8 +180,9 @@ class RenderNode(Node):
     def close(self) -> None:
         """Finishes the film with what is left of it, and gives the device back."""
         until = time.monotonic() + FINISH_WITHIN
+        schedule = self._schedule if self._film_path else None
         try:
-            while self._film and self._schedule and time.monotonic() < until and (due := self._schedule.pop(np.inf)):
+            while schedule and time.monotonic() < until and (due := schedule.pop(np.inf)):
                 due.live = False
                 self._draw(due)
             if self._film is not None:
@@ -189,11 +196,15 @@ class RenderNode(Node):
 
     def _switch(self, message: SceneMessage) -> None:
         """Changes to the scene of a message; if it cannot be drawn, the old one stays."""
+        with self._changed:
+            old_schedule, self._schedule = self._schedule, None
         try:
             scene = scenes.load(message.uri)
             renderer = Renderer(scene, self._graphics)
         except ValueError as error:
             self.get_logger().error(f"scene: {error}")
+            with self._changed:
+                self._schedule = old_schedule
             return
         old, self._renderer, self._hash = self._renderer, renderer, message.hash
         if old is not None:
@@ -204,6 +215,9 @@ class RenderNode(Node):
             shutter.close()
         with self._changed:
             self._schedule = Schedule(hierarchy.names, hierarchy.start, scene.rates.physics, scene.rates.draw, film)
+            for state in self._early:
+                self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
+            self._early.clear()
             self._shutters = {name: Shutter(self, name, camera) for name, camera in scene.cameras.items()}
             self._selected = next(iter(self._shutters), "")
             if self._wanted_camera:
