@@ -36,17 +36,20 @@ def programs(options: argparse.Namespace) -> list[Program]:
         leads = name == "drone_sim"
         return Program(name, command, environment or {}, terminal, leads, niceness=0 if leads or terminal else 5)
 
-    nodes = [node("drone_sim", "drone_sim.sim_node", scene=options.scene, rtf=options.rtf, duration=options.duration)]
+    # A film and a bag begin with the first step: the simulation waits until these two listen to tf.
+    records_tf = options.record and (not options.record_topics or {"tf", "/tf"} & set(options.record_topics))
+    nodes = [node("drone_sim", "drone_sim.sim_node", scene=options.scene, rtf=options.rtf, duration=options.duration,
+                  listeners=bool(options.film) + bool(records_tf))]
     if not options.no_render:
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
                           environment={"FASTRTPS_DEFAULT_PROFILES_FILE": str(dds_profile)}))
+    if not options.no_teleop and sys.stdin.isatty():
+        nodes.append(node("drone_teleop", "drone_teleop.teleop_node", terminal=True, camera=options.camera))
+    if not options.no_ai:
+        nodes.append(node("drone_ai", "drone_ai.ai_node"))
     if options.record:
         nodes.append(node("drone_recorder", "drone_sim.recorder_node", path=options.record, storage=options.storage,
                           topics=options.record_topics))
-    if not options.no_ai:
-        nodes.append(node("drone_ai", "drone_ai.ai_node"))
-    if not options.no_teleop and sys.stdin.isatty():
-        nodes.append(node("drone_teleop", "drone_teleop.teleop_node", terminal=True))
     return nodes
 
 

@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Self
 
+SPACING = 0.5  # s between two starts: programs that join a ROS graph at the same moment may miss each other's answers
 GRACE = 1.8  # s between being asked to end and SIGKILL
 LAST_WORDS = 15  # lines of a dead program that are repeated
 CLEAN_STATUS = (0, -signal.SIGINT, -signal.SIGTERM, 128 + signal.SIGINT)  # of a program that was asked to end
@@ -76,10 +77,14 @@ class Supervisor:
         deadline: float | None = None  # what is due then: the end, or while ending the use of force
         with selectors.DefaultSelector() as selector, _SignalPipe() as signals:
             selector.register(signals, selectors.EVENT_READ)
-            for program in self._programs:
-                self._start(program, selector)
-            while self._running:
-                timeout = None if deadline is None else max(0.0, deadline - time.monotonic())
+            waiting = deque(enumerate(self._programs))
+            while self._running or waiting:
+                if waiting and time.monotonic() >= start + waiting[0][0] * SPACING:
+                    self._start(waiting.popleft()[1], selector)
+                    continue
+                moments = [start + waiting[0][0] * SPACING] if waiting else []
+                moments += [deadline] if deadline is not None else []
+                timeout = max(0.0, min(moments) - time.monotonic()) if moments else None
                 ready = [key for key, _ in selector.select(timeout)]
                 for key in ready:
                     if key.data and not self._read(key.data):
@@ -93,6 +98,7 @@ class Supervisor:
                     self._kill()
                 elif not self._ending and (due or done or asked):
                     self._interrupt()
+                    waiting.clear()
                     deadline = time.monotonic() + GRACE
 
     def say(self, name: str, text: str, style: str = "") -> None:

@@ -1,8 +1,8 @@
 """The computer's hands: flies every drone of the scene that has a patrol, and grounds those that are held."""
 
 import math
+import sys
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene
 from geometry_msgs.msg import Quaternion, Twist, Vector3
@@ -10,12 +10,12 @@ from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
+from drone_sim.process import run
 from drone_sim.scene import Flight, Patrol, SceneError, load
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -146,16 +146,9 @@ def _along_world_z(q: Quaternion, v: Vector3) -> float:
     )
 
 
-def main(args: list[str] | None = None) -> None:
-    """Runs the node until it is interrupted."""
-    rclpy.init(args=args)
-    try:
-        rclpy.spin(AiNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+def main(args: list[str] | None = None) -> int:
+    return run(lambda _: AiNode(), args)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,13 +1,11 @@
 """Records topics into a bag, byte for byte as they were received."""
 
 import re
-import signal
 import sys
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock
@@ -15,13 +13,12 @@ from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from drone_sim.bag import BagError, BagWriter, Topic
 from drone_sim.message_types import UnknownTypeError, definition, message_class, type_hash
+from drone_sim.process import run
 
 T = TypeVar("T")
 
@@ -62,6 +59,11 @@ class RecorderNode(Node):
         self.create_timer(1.0, self._flush, clock=steady)
         self._look_around()
         self._log.info(f"records into {path}")
+
+    def destroy_node(self) -> None:
+        """Closes the bag, too."""
+        self.bag.close()
+        super().destroy_node()
 
     def _parameter(self, name: str, default: T, description: str) -> T:
         descriptor = ParameterDescriptor(description=description, read_only=True)
@@ -133,23 +135,7 @@ def _time(duration: Duration) -> QosTime:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Records until SIGINT or SIGTERM; exit status 1 and one line if the bag cannot be written."""
-    # rclpy's own handlers would end the context under a callback that is writing. Here a signal only asks for the
-    # end; a timer wakes the waiting thread every 0.25 s at the latest.
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    stop = Future()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set_result(None))
-    try:
-        node = RecorderNode()
-        with node.bag:
-            rclpy.spin_until_future_complete(node, stop)
-    except BagError as error:
-        print(f"drone_recorder: {error}", file=sys.stderr)
-        return 1
-    finally:
-        rclpy.try_shutdown()
-    return 0
+    return run(lambda _: RecorderNode(), args, BagError)
 
 
 if __name__ == "__main__":

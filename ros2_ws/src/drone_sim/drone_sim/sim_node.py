@@ -1,6 +1,7 @@
 """The node around the world: commands in, poses and events out, time kept."""
 
 import math
+import sys
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -10,7 +11,6 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -24,6 +24,7 @@ from drone_sim import kernel
 from drone_sim.mesh import MeshError
 from drone_sim.messages import collision_events, diagnostics, scene_message
 from drone_sim.pacing import Pacer
+from drone_sim.process import run
 from drone_sim.scene import SceneError, load
 from drone_sim.telemetry import Telemetry, Type
 from drone_sim.world import World
@@ -32,19 +33,23 @@ CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odom
            Type.JOINTS: JointState}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
+LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
 UNPACED_SLICE = 0.005  # s of wall time between looks at the subscriptions when running as fast as it can
 
 
 class SimNode(Node):
-    """Runs one scene; another can be loaded while it runs. `finished` is done once the duration has been reached."""
+    """Runs one scene; another can be loaded while it runs. Sets `finished` once the duration has been reached."""
 
-    def __init__(self) -> None:
+    def __init__(self, finished: Future) -> None:
         super().__init__("drone_sim")
-        self.finished: Future = Future()
+        self._finished = finished
         self._factor = self._number("rtf", 1.0, 1000.0, "simulated s per wall s; 0: as fast as it can")
         self._duration = self._number("duration", 0.0, 1e9, "simulated s after which the node ends; 0: never")
         self._scene_name = str(self.declare_parameter("scene", "island", ParameterDescriptor(
             description="a scene among the assets, by name, or a scene file", read_only=True)).value)
+        self._awaited = int(self.declare_parameter("listeners", 0, ParameterDescriptor(
+            description="subscribers of tf without which time does not start, so that they miss nothing",
+            read_only=True)).value)
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._state = SimulationState.STATE_LOADING_WORLD
         self._rejected = 0
@@ -96,6 +101,7 @@ class SimNode(Node):
                                                  lambda twist, name=name: self._on_command(name, twist), 10)
                         for name, thing in world.scene.objects.items() if (flight := thing.flight)]
         self._state = SimulationState.STATE_PLAYING
+        self._loaded = self._now()
         self._restart_clock()
         self._scene_output.publish(scene_message(world))
         self._static_output.publish(self._telemetry.static(0))
@@ -116,23 +122,35 @@ class SimNode(Node):
     # Time
 
     def _on_time(self) -> None:
-        if self._state != SimulationState.STATE_PLAYING:
+        if self._state != SimulationState.STATE_PLAYING or not self._is_heard():
             return
         if self._pacer:
             for _ in range(self._pacer.due(self._now())):
                 self._step()
         else:
             end = self._now() + UNPACED_SLICE
-            while self._now() < end and not self.finished.done():
+            while self._now() < end and not self._finished.done():
                 self._step()
 
+    def _is_heard(self) -> bool:
+        """Whether those are there that must miss nothing; once they were, time goes on without them."""
+        if not self._awaited:
+            return True
+        late = self._now() > self._loaded + LONGEST_WAIT
+        if late or self._outputs["tf"].get_subscription_count() >= self._awaited:
+            if late:
+                self.get_logger().warning(f"tf: fewer than {self._awaited} listen after {LONGEST_WAIT:g} s; going on")
+            self._awaited = 0
+            self._publish()
+        return not self._awaited
+
     def _step(self) -> None:
-        if self.finished.done():
+        if self._finished.done():
             return
         self._world.step()
         self._publish()
         if self._duration and self._world.time >= self._duration - 0.5 * self._world.dt:
-            self.finished.set_result(None)
+            self._finished.set_result(None)
 
     def _publish(self) -> None:
         for topic, message in self._telemetry.messages():
@@ -189,7 +207,7 @@ class SimNode(Node):
         if wanted == self._state:
             response.result = Result(result=SetSimulationState.Response.ALREADY_IN_TARGET_STATE)
         elif wanted == SimulationState.STATE_QUITTING:
-            self.finished.set_result(None)
+            self._finished.set_result(None)
             response.result = Result(result=Result.RESULT_OK)
         elif wanted in (SimulationState.STATE_PLAYING, SimulationState.STATE_PAUSED, SimulationState.STATE_STOPPED):
             self._state = wanted
@@ -225,18 +243,9 @@ class SimNode(Node):
             asked=self._factor * self._world.scene.rates.physics, lag=self._pacer.lag if self._pacer else 0.0))
 
 
-def main(args: list[str] | None = None) -> None:
-    rclpy.init(args=args)
-    try:
-        node = SimNode()
-        rclpy.spin_until_future_complete(node, node.finished)
-    except (SceneError, MeshError) as error:
-        raise SystemExit(f"drone_sim: {error}") from None
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+def main(args: list[str] | None = None) -> int:
+    return run(SimNode, args, SceneError, MeshError)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
