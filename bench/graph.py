@@ -75,7 +75,8 @@ def fly(seconds: float, camera: str, domain: int) -> tuple[float, Listener, floa
         node.destroy_node()
         rclpy.shutdown(context=context)
     after = os.times()
-    return start, listener, (after.children_user + after.children_system - before.children_user - before.children_system)
+    cpu = after.children_user + after.children_system - before.children_user - before.children_system
+    return start, listener, cpu
 
 
 def main() -> None:

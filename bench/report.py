@@ -42,7 +42,8 @@ def report(name: str, settings: dict[str, Any], rows: list[Row]) -> None:
     for row in rows:
         peers = ", ".join(f"{peer} {value:.4g}" for peer, value in row.peers.items())
         met = {None: "", True: "yes", False: "no"}[row.met]
-        table.add_row(row.work, f"{row.ours:.4g}", row.unit, peers, f"{row.ratio:.2f}" if row.ratio else "", row.asked, met)
+        ratio = f"{row.ratio:.2f}" if row.ratio else ""
+        table.add_row(row.work, f"{row.ours:.4g}", row.unit, peers, ratio, row.asked, met)
     Console(width=140).print(table)
     RESULTS.mkdir(exist_ok=True)
     result = {"machine": machine(), "settings": settings, "rows": [asdict(row) for row in rows]}

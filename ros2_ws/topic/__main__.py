@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from pathlib import Path
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -72,6 +73,7 @@ def main() -> int:
     """Exit status 1 and one line if there is no such topic, type or field."""
     arguments = parser().parse_args()
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
+    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).parents[1] / "fastdds.xml"))
     rclpy.init()
     node = rclpy.create_node(f"topic_{os.getpid()}", start_parameter_services=False, enable_rosout=False)
     try:

@@ -16,7 +16,7 @@ from drone_sim.message_types import UnknownTypeError, full_name, message_class
 
 from .message_yaml import FieldError, as_data, dump, fill, pick
 
-DISCOVERY = 3.0  # s that a topic has to come into view
+DISCOVERY = 5.0  # s that a topic has to come into view; publishers announce themselves every 3 s at least
 SETTLING = 1.0  # s without news, after which all is in view
 
 

@@ -147,7 +147,7 @@ def _along_world_z(q: Quaternion, v: Vector3) -> float:
 
 
 def main(args: list[str] | None = None) -> int:
-    return run(lambda _: AiNode(), args)
+    return run("drone_ai", lambda _: AiNode(), args)
 
 
 if __name__ == "__main__":

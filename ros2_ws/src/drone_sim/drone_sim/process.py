@@ -8,7 +8,6 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
-from pathlib import Path
 
 import rclpy
 from rclpy.node import Node
@@ -18,10 +17,10 @@ from rclpy.task import Future
 ENDS = (signal.SIGINT, signal.SIGTERM)
 
 
-def run(make_node: Callable[[Future], Node], args: list[str] | None = None, *errors: type[Exception]) -> int:
+def run(name: str, make_node: Callable[[Future], Node], args: list[str] | None, *errors: type[Exception]) -> int:
     """Makes a node and spins it; the future that it is given ends it. Returns the exit status.
 
-    An error of the given types, when it is made or while it runs, is one line and status 1.
+    An error of the given types, when it is made or while it runs, is one line that begins with the name, and status 1.
     """
     stop = Future()
     # Waited for in a thread of their own: a spinning main thread would not look at them before its next callback.
@@ -35,7 +34,7 @@ def run(make_node: Callable[[Future], Node], args: list[str] | None = None, *err
         finally:
             node.destroy_node()
     except errors as error:
-        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 1
     finally:
         rclpy.try_shutdown()

@@ -135,7 +135,7 @@ def _time(duration: Duration) -> QosTime:
 
 
 def main(args: list[str] | None = None) -> int:
-    return run(lambda _: RecorderNode(), args, BagError)
+    return run("drone_recorder", lambda _: RecorderNode(), args, BagError)
 
 
 if __name__ == "__main__":

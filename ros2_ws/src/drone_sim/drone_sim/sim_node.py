@@ -244,7 +244,7 @@ class SimNode(Node):
 
 
 def main(args: list[str] | None = None) -> int:
-    return run(SimNode, args, SceneError, MeshError)
+    return run("drone_sim", SimNode, args, SceneError, MeshError)
 
 
 if __name__ == "__main__":

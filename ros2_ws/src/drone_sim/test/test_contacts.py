@@ -14,7 +14,8 @@ from drone_sim.world import World
 Contact = tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: np.ndarray, margin: float = 0.0) -> Contact:
+def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: np.ndarray,
+            margin: float = 0.0) -> Contact:
     """Number of points, normal, points, separations, features; a pose is x y z qx qy qz qw."""
     poses = np.array([pose_a, pose_b], float)
     axes = np.empty((2, 3, 3))
