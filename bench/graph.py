@@ -90,7 +90,7 @@ def main() -> None:
 
     first_pose, first_frame, factors, arrived, cpu = [], [], [], [], []
     for run in range(runs):
-        start, heard, cpu_time = fly(seconds, options.camera, 60 + run)
+        start, heard, cpu_time = fly(seconds, options.camera, 10 + run)
         first_pose.append(heard.poses[0][0] - start)
         first_frame.append(heard.frames[0][0] - start)
         window = [(wall, stamp) for wall, stamp in heard.poses if stamp >= WARM_UP]

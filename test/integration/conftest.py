@@ -13,6 +13,7 @@ import domain_coordinator
 import pytest
 
 os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
+os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).parents[2] / "ros2_ws/fastdds.xml"))
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 sys.path.insert(0, str(Path(__file__).parent))
 

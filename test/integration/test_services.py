@@ -1,0 +1,105 @@
+"""Scenes are switched, paused, stepped and reset while the simulation runs; what is wrong is refused and it goes on."""
+
+import math
+from pathlib import Path
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from drone_interfaces.msg import Scene
+from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from live import Graph, NodeProcess, Spawn
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
+from simulation_interfaces.msg import Resource, Result, SimulationState
+from simulation_interfaces.srv import (
+    GetSimulationState,
+    LoadWorld,
+    ResetSimulation,
+    SetSimulationState,
+    StepSimulation,
+)
+
+KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+STEP = 1.0 / 30.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def sim(spawn: Spawn) -> NodeProcess:
+    return spawn("drone_sim.sim_node", scene="hangar")
+
+
+def seconds(message: Clock) -> float:
+    return float(message.clock.sec + 1e-9 * message.clock.nanosec)
+
+
+def set_state(graph: Graph, state: int) -> int:
+    request = SetSimulationState.Request(state=SimulationState(state=state))
+    return int(graph.call(SetSimulationState, "set_simulation_state", request).result.result)
+
+
+def load(graph: Graph, uri: str) -> LoadWorld.Response:
+    return graph.call(LoadWorld, "load_world", LoadWorld.Request(world_resource=Resource(uri=uri)))
+
+
+def test_a_scene_is_switched_and_a_broken_one_is_not(graph: Graph, tmp_path: Path) -> None:
+    scenes, poses = graph.listen(Scene, "scene", KEPT), graph.listen(PoseStamped, "television/pose")
+    graph.wait_for(lambda: scenes, "the first scene")
+    assert scenes[0].name == "hangar"
+
+    assert load(graph, "island").result.result == Result.RESULT_OK
+    graph.wait_for(lambda: len(scenes) == 2, "the second scene")
+    assert scenes[1].name == "island"
+    assert scenes[1].hash != scenes[0].hash
+    graph.wait_for(lambda: poses, "an object of the second scene")
+
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("version: 1\nobjects: {drone: {model: drone, mass: -1}}\n")
+    answer = load(graph, str(broken))
+    assert answer.result.result == LoadWorld.Response.RESOURCE_PARSE_ERROR
+    assert answer.result.error_message.startswith(f"{broken}: objects.drone.mass: ")
+    assert load(graph, "").result.result == LoadWorld.Response.NO_RESOURCE
+    heard = len(poses)
+    graph.wait_for(lambda: len(poses) > heard + 10, "the running scene to go on")
+    assert len(scenes) == 2
+
+
+def test_time_stands_still_is_stepped_and_starts_over(graph: Graph) -> None:
+    clock = graph.listen(Clock, "/clock")
+    graph.wait_for(lambda: clock, "time")
+    assert set_state(graph, SimulationState.STATE_PAUSED) == Result.RESULT_OK
+    assert set_state(graph, SimulationState.STATE_PAUSED) == SetSimulationState.Response.ALREADY_IN_TARGET_STATE
+    state = graph.call(GetSimulationState, "get_simulation_state", GetSimulationState.Request())
+    assert state.state.state == SimulationState.STATE_PAUSED
+
+    before, heard = seconds(clock[-1]), len(clock)
+    answer = graph.call(StepSimulation, "step_simulation", StepSimulation.Request(steps=7))
+    assert answer.result.result == Result.RESULT_OK
+    graph.wait_for(lambda: seconds(clock[-1]) >= before + 6.5 * STEP, "seven steps")
+    assert seconds(clock[-1]) == pytest.approx(before + 7 * STEP, abs=1e-6)
+    assert len(clock) == heard + 7
+
+    assert set_state(graph, SimulationState.STATE_PLAYING) == Result.RESULT_OK
+    answer = graph.call(StepSimulation, "step_simulation", StepSimulation.Request(steps=7))
+    assert answer.result.result == Result.RESULT_OPERATION_FAILED
+    graph.wait_for(lambda: seconds(clock[-1]) > before + 20 * STEP, "time to go on")
+    latest = seconds(clock[-1])
+    assert graph.call(ResetSimulation, "reset_simulation", ResetSimulation.Request()).result.result == Result.RESULT_OK
+    graph.wait_for(lambda: seconds(clock[-1]) < latest, "time to start over")
+
+
+def test_a_twist_that_is_not_finite_is_counted_and_not_obeyed(graph: Graph, sim: NodeProcess) -> None:
+    poses = graph.listen(PoseStamped, "user_drone/pose")
+    reports = graph.listen(DiagnosticArray, "diagnostics")
+    pilot = graph.publisher(Twist, "cmd_vel")
+
+    def rejected() -> int:
+        values = {value.key: value.value for value in reports[-1].status[0].values} if reports else {}
+        return int(values.get("commands rejected", 0))
+
+    with graph.repeating(pilot, Twist(linear=Vector3(x=math.nan, z=math.inf)), rate=50.0):
+        graph.wait_for(lambda: rejected() > 10, "rejections to be counted")
+    assert "cmd_vel: rejected a Twist with NaN or infinite numbers" in sim.output()
+    position = poses[-1].pose.position
+    assert all(map(math.isfinite, (position.x, position.y, position.z)))
+    with graph.repeating(pilot, Twist(linear=Vector3(x=2.0))):
+        graph.wait_for(lambda: poses[-1].pose.position.x > position.x + 0.5, "the drone to obey what is finite")
