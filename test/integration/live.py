@@ -1,5 +1,6 @@
 """Real processes and the graph that they form, as seen from a test."""
 
+import ctypes
 import json
 import os
 import signal
@@ -25,6 +26,12 @@ T = TypeVar("T")
 DEADLINE = 60.0  # s; only a test that fails waits so long. The first start on a machine compiles kernels
 
 
+def _die_with_the_test() -> None:
+    """Else a test that is killed leaves nodes behind, and they talk to the next one's."""
+    PR_SET_PDEATHSIG = 1  # noqa: N806 - the name in linux/prctl.h
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 class NodeProcess:
     """A process in its own process group, its output kept. As a context manager it ends with the block."""
 
@@ -33,7 +40,7 @@ class NodeProcess:
         self.ended_by_test = False
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 - a file, unlike a pipe, is never full
         self._process = subprocess.Popen(
-            command, env=environment, start_new_session=True,
+            command, env=environment, start_new_session=True, preexec_fn=_die_with_the_test,
             stdin=subprocess.DEVNULL, stdout=self._log, stderr=subprocess.STDOUT,
         )
 

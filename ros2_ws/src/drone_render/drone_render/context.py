@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from drone_render.geometry import pixels
+from drone_render.geometry import PackedMap, pixels
 from drone_render.shaders import Variant
 
 HINT = "apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"
@@ -57,14 +57,20 @@ class Device:
     def texture(self, path: Path) -> moderngl.Texture:
         """An image file as a repeating texture with mip maps."""
         if path not in self._textures:
-            size, data = pixels(path)
-            texture = self.context.texture(size, 4, data)
-            texture.build_mipmaps()
-            # Between texels, not between mip maps: half of the price on a software rasteriser, and hardly seen.
-            texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
-            self._releases.append(texture.release)
-            self._textures[path] = texture
+            self._textures[path] = self._mip_mapped(*pixels(path))
         return self._textures[path]
+
+    def packed_texture(self, packed: PackedMap) -> moderngl.Texture:
+        """Two maps in one, as a repeating texture with mip maps."""
+        return self._mip_mapped(packed.size, packed.data)
+
+    def _mip_mapped(self, size: tuple[int, int], data: bytes) -> moderngl.Texture:
+        texture = self.context.texture(size, 4, data)
+        texture.build_mipmaps()
+        # Between texels, not between mip maps: half of the price on a software rasteriser, and hardly seen.
+        texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+        self._releases.append(texture.release)
+        return texture
 
     def plain_texture(self, size: tuple[int, int], values: npt.NDArray[np.uint8]) -> moderngl.Texture:
         """A texture of one number a pixel that is not repeated, without mip maps; the bottom row comes first."""

@@ -1,5 +1,7 @@
 """Parts of models as the graphics device wants them: tangents, bounding spheres, textures."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +9,21 @@ import numpy.typing as npt
 from PIL import Image
 
 from drone_render.view import Array
-from drone_sim.mesh import MeshError, Model, Part
+from drone_sim.mesh import MeshError, Part
+
+LOSS = 1.5  # of 255; how far colours may be off, in the mean, where two maps are packed into one
+
+
+@dataclass(frozen=True)
+class PackedMap:
+    """A colour map and a normal map in one: RGBA bytes of the pixels, and the `ramp` that brings the colours back.
+
+    colour = ramp[0] + ramp[1] * r + ramp[2] * g; b and a are x and y of the normal, from 0 to 1.
+    """
+
+    size: tuple[int, int]
+    data: bytes
+    ramp: npt.NDArray[np.float32]
 
 
 def tangents(part: Part) -> npt.NDArray[np.float32]:
@@ -34,11 +50,11 @@ def tangents(part: Part) -> npt.NDArray[np.float32]:
     return np.hstack([u, side[:, None]]).astype(np.float32)
 
 
-def sphere(model: Model) -> tuple[Array, float]:
-    """Centre (3,) and radius of a sphere around a model: about the middle of its box, as tight as that allows."""
-    centre = (model.low + model.high) / 2
-    radius = max(float(np.linalg.norm(part.vertices - centre, axis=1).max()) for part in model.parts)
-    return centre, radius
+def sphere(vertices: Sequence[npt.NDArray[np.float32]]) -> tuple[Array, float]:
+    """Centre (3,) and radius of a sphere around vertices, each (n, 3): about the middle of their box."""
+    points = np.vstack(vertices).astype(np.float64)
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    return centre, float(np.linalg.norm(points - centre, axis=1).max())
 
 
 def pixels(path: Path) -> tuple[tuple[int, int], bytes]:
@@ -49,3 +65,29 @@ def pixels(path: Path) -> tuple[tuple[int, int], bytes]:
             return upright.size, upright.tobytes()
     except OSError as error:
         raise MeshError(f"{path}: not readable as an image: {error}") from None
+
+
+def pack(colour_map: Path, normal_map: Path) -> PackedMap | None:
+    """Both maps in one, or None where the sizes differ or the colours need more than two numbers. Raises MeshError.
+
+    Most materials vary little in hue, so that the two main axes of their colours hold all that is seen.
+    """
+    (size, colours), (other, normals) = (_rgb(path) for path in (colour_map, normal_map))
+    if size != other:
+        return None
+    middle = colours.mean(axis=0)
+    colours -= middle
+    some = colours[::17]
+    axes = np.linalg.eigh(some.T @ some)[1][:, 1:].astype(np.float32)
+    if float(np.abs(some - some @ axes @ axes.T).mean()) > LOSS:
+        return None
+    along = colours @ axes
+    low, span = along.min(axis=0), np.maximum(np.ptp(along, axis=0), 1.0)
+    data = np.hstack([(along - low) / span * 255, normals[:, :2]])
+    ramp = np.vstack([middle + axes @ low, axes.T * span[:, None]]) / 255
+    return PackedMap(size, np.rint(data).astype(np.uint8).tobytes(), ramp.astype(np.float32))
+
+
+def _rgb(path: Path) -> tuple[tuple[int, int], npt.NDArray[np.float32]]:
+    size, data = pixels(path)
+    return size, np.frombuffer(data, np.uint8).reshape(-1, 4)[:, :3].astype(np.float32)

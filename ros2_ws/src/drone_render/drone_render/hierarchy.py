@@ -8,8 +8,10 @@ import numpy.typing as npt
 from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
-LIGHTS = 4  # that an object is lit by, at most
+LIGHTS = 4  # that a surface is lit by beside the parallel one, at most
 DARK = 1 / 64  # of a light's brightness; where less than that is left, it has ended
+UNSEEN = 1 / 255  # a light that adds less is not computed
+PARALLEL = 200.0  # m from the origin, beyond which a light without reach has parallel rays
 
 
 class Hierarchy:
@@ -69,6 +71,10 @@ class Lighting:
         self.falloff = np.array([0.0 if light.reach is None else light.reach**-2 for light in lights])
         # What ends at DARK is stretched so that it starts at 1.
         self.colours *= np.where(self.falloff > 0, 1 / (1 - DARK), 1.0)[:, None]
+        sun = self.sun()
+        far = sun is not None and self._parents[sun] is None and np.linalg.norm(self._offsets[sun]) > PARALLEL
+        self.parallel = sun if far else None
+        """The sun, if it is so far away that its rays are parallel: drawn apart from the other lights."""
         self._cut = np.where(self.falloff > 0, DARK, 0.0)
         self.lit = np.array(
             [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
@@ -88,14 +94,21 @@ class Lighting:
             [place[:3, :3] @ offset + place[:3, 3] for place, offset in zip(places, self._offsets, strict=True)]
         ).reshape(-1, 3)
 
-    def strongest(self, positions: Array, centres: Array, radii: Array) -> Sequence[npt.NDArray[np.intp]]:
-        """For each object, a sphere (centres (n, 3), radii (n,)), at most LIGHTS lights, the brightest first."""
+    def strongest(
+        self, positions: Array, rows: npt.NDArray[np.intp], centres: Array, radii: Array
+    ) -> Sequence[tuple[int, ...]]:
+        """For each sphere (centres (n, 3), radii (n,)) of the objects `rows`, the brightest first: LIGHTS at most.
+
+        The parallel one is not among them.
+        """
         away = np.linalg.norm(centres[:, None] - positions[None], axis=2) - radii[:, None]
         left = 1 / (1 + np.square(np.maximum(away, 0.0)) * self.falloff) - self._cut
-        strength = np.where(self.lit, left * self.colours.max(axis=1, initial=0.0), 0.0)
+        strength = np.where(self.lit[rows], left * self.colours.max(axis=1, initial=0.0), 0.0)
+        if self.parallel is not None:
+            strength[:, self.parallel] = 0.0
         order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]
-        counts = (strength > 0).sum(axis=1)
-        return [lights[:count] for lights, count in zip(order, counts, strict=True)]
+        counts = (strength > UNSEEN).sum(axis=1)
+        return [tuple(lights[:count]) for lights, count in zip(order.tolist(), counts.tolist(), strict=True)]
 
     def sun(self) -> int | None:
         """The brightest of the lights that distance does not weaken, or None."""

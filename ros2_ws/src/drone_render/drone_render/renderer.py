@@ -8,12 +8,12 @@ import moderngl
 import numpy as np
 
 from drone_render import view
-from drone_render.context import Device
-from drone_render.geometry import sphere
-from drone_render.hierarchy import LIGHTS, Hierarchy, Lighting
+from drone_render.context import Device, packed
+from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
-from drone_render.passes import Frame, Lights, Placed, SkyPass, SolidPass, Sun, WaterPass
+from drone_render.passes import Frame, SkyPass, Sun, WaterPass
 from drone_render.shore import Shore, survey
+from drone_render.solid import SolidPass
 from drone_render.view import Array
 from drone_sim import mesh
 from drone_sim.scene import Scene
@@ -58,13 +58,11 @@ class Renderer:
         scene, render = self.scene, self.scene.render
         loaded = {path: mesh.load(path) for path in {scene.model_path(name) for name in self.hierarchy.names}}
         self._models = [loaded[scene.model_path(name)] for name in self.hierarchy.names]
-        spheres = {path: sphere(model) for path, model in loaded.items()}
-        self._centres = np.array([spheres[model.path][0] for model in self._models]).reshape(-1, 3)
-        self._radii = np.array([spheres[model.path][1] for model in self._models])
         self._is_water = np.array(
             [thing.shading == "water" and render.water is not None for thing in scene.objects.values()], dtype=bool
         )
-        self._solid = SolidPass(self._device, render, self._models)
+        solid = {row: model for row, model in enumerate(self._models) if not self._is_water[row]}
+        self._solid = SolidPass(self._device, render, solid, self._lighting)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
         self._water = None
@@ -89,20 +87,12 @@ class Renderer:
         return survey(self._device, land, level)
 
     def _warm_up(self) -> None:
-        """Draws with every program that can occur: the driver compiles each at its first use, which takes a while."""
+        """Draws everything once: the driver compiles each program at its first use, which takes a while."""
         camera = next(iter(self.scene.cameras.values()), None)
         if camera is None:
             return
         self._begin(camera.size)
-        for row, surfaces in enumerate(self._solid.surfaces):
-            for surface in surfaces:
-                for count in range(min(int(self._lighting.lit[row].sum()), LIGHTS) + 1):
-                    variant = surface.variant(count)
-                    if not self._is_water[row] and variant not in self._device.programs:
-                        array = surface.array(count)
-                        surface.paint(array.program)
-                        array.program["view_projection"] = array.program["model"] = tuple(np.eye(4).ravel())
-                        array.render()
+        self._solid.warm_up()
         for name in self.scene.cameras:
             self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
 
@@ -113,7 +103,6 @@ class Renderer:
         """
         camera = self.scene.cameras[name]
         world = self.hierarchy.world(poses)
-        lights = self._lights(world)
         place = self.hierarchy.camera(name, world, time)
         sun = None
         if self._sun is not None:
@@ -124,7 +113,11 @@ class Renderer:
             time, place, clip, (half, half * camera.size[1] / camera.size[0]), 2 * half / camera.size[0], sun
         )  # fmt: skip
         target = self._begin(camera.size)
-        self._draw_objects(frame, world, lights)
+        self._solid.draw(frame, world)
+        if self._water is not None:
+            self._water.begin(frame)
+            for row in np.flatnonzero(self._is_water):
+                self._water.draw(self._models[row], packed(world[row].T))
         if self._sky is not None:
             self._sky.draw(frame)
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
@@ -138,32 +131,3 @@ class Renderer:
         target.use()
         target.clear(*self._background)
         return target
-
-    def _lights(self, world: Array) -> Lights:
-        lighting = self._lighting
-        positions = np.column_stack([lighting.positions(world), lighting.falloff])
-        colours = np.column_stack([lighting.colours, lighting.cut])
-        return Lights(positions.astype(np.float32), colours.astype(np.float32))
-
-    def _draw_objects(self, frame: Frame, world: Array, lights: Lights) -> None:
-        centres = np.einsum("nij,nj->ni", world[:, :3, :3], self._centres) + world[:, :3, 3]
-        planes = view.frustum(frame.view_projection)
-        inside = centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]
-        away = np.linalg.norm(centres - frame.eye, axis=1)
-        chosen = self._lighting.strongest(lights.positions[:, :3].astype(np.float64), centres, self._radii)
-        matrices = np.ascontiguousarray(world.transpose(0, 2, 1), dtype=np.float32)
-        seen = [
-            Placed(int(row), matrices[row].tobytes(), chosen[row])
-            for row in np.argsort(away, kind="stable")
-            if inside[row].all()
-        ]
-        # What is near hides the most; what surrounds the camera, such as the ground, comes after it.
-        solid = [placed for placed in seen if not self._is_water[placed.row]]
-        near = [placed for placed in solid if away[placed.row] > self._radii[placed.row]]
-        around = [placed for placed in solid if away[placed.row] <= self._radii[placed.row]]
-        self._solid.draw(frame, near, around, lights)
-        if self._water is not None:
-            self._water.begin(frame)
-            for placed in seen:
-                if self._is_water[placed.row]:
-                    self._water.draw(self._models[placed.row], placed.matrix)
