@@ -18,6 +18,7 @@ from simulation_interfaces.srv import (
     SetSimulationState,
     StepSimulation,
 )
+from visualization_msgs.msg import MarkerArray
 
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STEP = 1.0 / 30.0
@@ -85,6 +86,15 @@ def test_time_stands_still_is_stepped_and_starts_over(graph: Graph) -> None:
     latest = seconds(clock[-1])
     assert graph.call(ResetSimulation, "reset_simulation", ResetSimulation.Request()).result.result == Result.RESULT_OK
     graph.wait_for(lambda: seconds(clock[-1]) < latest, "time to start over")
+
+
+def test_what_the_collision_detection_sees_is_shown_to_who_looks(graph: Graph) -> None:
+    seen = graph.listen(MarkerArray, "debug/markers")
+    graph.wait_for(lambda: seen, "markers")
+    shown = {marker.ns: len(marker.points) for marker in seen[-1].markers}
+    assert shown["boxes"] % 24 == 0
+    assert shown["boxes"] > 0
+    assert shown["contacts"] > 0
 
 
 def test_a_twist_that_is_not_finite_is_counted_and_not_obeyed(graph: Graph, sim: NodeProcess) -> None:

@@ -21,7 +21,7 @@ class Layout:
     def __init__(self) -> None:
         self._body = bytearray()
         self._stamps: list[int] = []
-        self._floats: dict[str, list[list[int]]] = {}
+        self._numbers: dict[str, tuple[str, list[range]]] = {}  # name: NumPy type, places of its rows
 
     def _append(self, size: int, data: bytes) -> int:
         self._body += bytes(-len(self._body) % size)
@@ -44,9 +44,16 @@ class Layout:
 
     def float64(self, name: str, count: int) -> Self:
         """`count` numbers to be filled in; the same name again adds a row to them. ROS aligns even for none."""
-        first = self._append(8, bytes(8 * count)) // 8
+        return self._floats(name, count, 8)
+
+    def float32(self, name: str, count: int) -> Self:
+        """The same, of half the size."""
+        return self._floats(name, count, 4)
+
+    def _floats(self, name: str, count: int, size: int) -> Self:
+        first = self._append(size, bytes(size * count)) // size
         if count:
-            self._floats.setdefault(name, []).append(list(range(first, first + count)))
+            self._numbers.setdefault(name, (f"<f{size}", []))[1].append(range(first, first + count))
         return self
 
     def stamp(self) -> Self:
@@ -60,22 +67,22 @@ class Layout:
 
     def message(self) -> "Message":
         """The finished message."""
-        return Message(bytes(self._body), self._stamps, self._floats)
+        return Message(bytes(self._body), self._stamps, self._numbers)
 
 
 class Message:
     """One message of fixed strings and lengths. Fill it with `stamp` and `write`, publish `bytes(message)`."""
 
-    def __init__(self, body: bytes, stamps: list[int], floats: dict[str, list[list[int]]]) -> None:
+    def __init__(self, body: bytes, stamps: list[int], numbers: dict[str, tuple[str, list[range]]]) -> None:
         # Four unused bytes in front put the body, which follows the encoding, on an address that float64 may have.
         self._buffer = np.zeros(8 + len(body) + -len(body) % 8, np.uint8)
         self._buffer[4:8] = np.frombuffer(ENCODING, np.uint8)
         self._buffer[8 : 8 + len(body)] = np.frombuffer(body, np.uint8)
         self._bytes = self._buffer[4 : 8 + len(body)]
         self._uint32 = self._buffer[8:].view("<u4")
-        self._float64 = self._buffer[8:].view("<f8")
         self._stamps = np.array(stamps, np.intp)
-        self._floats = {name: np.array(rows, np.intp) for name, rows in floats.items()}
+        self._numbers = {name: (self._buffer[8:].view(kind), np.array(rows, np.intp))
+                         for name, (kind, rows) in numbers.items()}
 
     def stamp(self, time_ns: int) -> None:
         """Sets every stamp, in ns since the start of time."""
@@ -84,7 +91,8 @@ class Message:
 
     def write(self, name: str, values: ArrayLike) -> None:
         """Fills the numbers called `name`; values: (rows, count), or whatever NumPy broadcasts to it."""
-        self._float64[self._floats[name]] = values
+        view, places = self._numbers[name]
+        view[places] = values
 
     def __bytes__(self) -> bytes:
         return self._bytes.tobytes()

@@ -19,8 +19,10 @@ from sensor_msgs.msg import JointState
 from simulation_interfaces.msg import Result, SimulationState
 from simulation_interfaces.srv import GetSimulationState, LoadWorld, ResetSimulation, SetSimulationState, StepSimulation
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from drone_sim import kernel
+from drone_sim.markers import markers
 from drone_sim.mesh import MeshError
 from drone_sim.messages import collision_events, diagnostics, scene_message
 from drone_sim.pacing import Pacer
@@ -33,6 +35,7 @@ CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odom
            Type.JOINTS: JointState}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
+MARKER_RATE = 10.0  # Hz of simulated time, and only while somebody looks
 LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
 UNPACED_SLICE = 0.005  # s of wall time between looks at the subscriptions when running as fast as it can
 
@@ -59,6 +62,7 @@ class SimNode(Node):
         self._scene_output = self.create_publisher(SceneMessage, "scene", KEPT)
         self._static_output = self.create_publisher(TFMessage, "tf_static", KEPT)
         self._collision_output = self.create_publisher(CollisionEvents, "collisions", RELIABLE)
+        self._marker_output = self.create_publisher(MarkerArray, "debug/markers", 1)
         self._diagnostics_output = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         for service, name, answer in ((LoadWorld, "load_world", self._on_load),
                                       (ResetSimulation, "reset_simulation", self._on_reset),
@@ -157,6 +161,9 @@ class SimNode(Node):
             self._outputs[topic].publish(message)
         if self._world.events:
             self._collision_output.publish(collision_events(self._world, self._telemetry.time_ns))
+        every = max(1, round(self._world.scene.rates.physics / MARKER_RATE))
+        if int(self._world.state.step[0]) % every == 0 and self._marker_output.get_subscription_count():
+            self._marker_output.publish(markers(self._world, self._telemetry.time_ns))
 
     # Commands
 

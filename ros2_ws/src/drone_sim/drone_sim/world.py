@@ -45,8 +45,8 @@ class World:
         m, s, dt = self.model, self.state, self.dt
         force_w, torque_w = np.zeros((2, m.bodies.count, 3))
         active = effects.parameters(self.scene)
-        self._detection = Detection(m, s, dt)
-        self._events = Events(self._detection)
+        self.detection = Detection(m, s, dt)
+        self._events = Events(self.detection)
         gravity = active.get("gravity")
         weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
@@ -60,11 +60,11 @@ class World:
             stages += [("commands", self._age_commands),
                        ("flight", direct.build_steering(m, s, force_w, torque_w, weight, dt))]
         stages += [(name, effects.effect(name).build(p, m, s, force_w, dt)) for name, p in active.items()]
-        stages += [("detection", self._detection),
-                   ("motion", Motion(m, s, self._detection, force_w, torque_w, dt, self.scene.dynamics.substeps)),
+        stages += [("detection", self.detection),
+                   ("motion", Motion(m, s, self.detection, force_w, torque_w, dt, self.scene.dynamics.substeps)),
                    ("events", self._events)]
         if flying:
-            stages += [("landing", direct.build_landing(m, s, self._detection, dt))]
+            stages += [("landing", direct.build_landing(m, s, self.detection, dt))]
         if spinning:
             stages += [("rotors", rotors.build(m, s, dt))]
         return tuple(Named(name, run) for name, run in stages)
@@ -95,7 +95,7 @@ class World:
     def reset(self) -> None:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
-        self._detection.clear()
+        self.detection.clear()
         self._events.clear()
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
@@ -117,7 +117,7 @@ class World:
     @property
     def contact_count(self) -> int:
         """Pairs of bodies that touch or are about to."""
-        return self._detection.manifolds.count
+        return self.detection.manifolds.count
 
     @property
     def events(self) -> list[Event]:
