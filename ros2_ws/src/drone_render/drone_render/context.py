@@ -113,8 +113,8 @@ class Device:
 
 
 def write(program: moderngl.Program, **uniforms: npt.ArrayLike) -> None:
-    """Sets the uniforms that the program has. What a variant does not use is not in it."""
+    """Sets the uniforms, numbers or packed already, that the program has. What a variant does not use is not in it."""
     for name, value in uniforms.items():
         uniform = program.get(name, None)
         if isinstance(uniform, moderngl.Uniform):
-            uniform.write(packed(value))
+            uniform.write(value if isinstance(value, bytes) else packed(value))

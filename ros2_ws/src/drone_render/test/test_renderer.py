@@ -131,14 +131,14 @@ cameras: {front: {size: [90, 60], fov: 1.2}}
 
 def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None:
     lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, 3], reach: 2, intensity: 1}}" for i in range(9))
-    lights += "\n  sun: {pose: [0, 0, 900]}\n"
+    lights += "\n  sun: {pose: [0, 0, 90]}\n"
     scene = make_scene(f"objects: {{ball: {{model: ball, mass: 1}}}}\nlights:\n{lights}")
     hierarchy = Hierarchy(scene)
     lighting = Lighting(hierarchy)
     positions = lighting.positions(hierarchy.world(hierarchy.start))
-    (chosen,) = lighting.strongest(positions, np.zeros((1, 3)), np.array([0.5]))
+    (chosen,) = lighting.strongest(positions, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
     assert list(chosen) == [9, 0, 1, 2]
-    (far,) = lighting.strongest(positions, np.array([[500.0, 0, 0]]), np.array([0.5]))
+    (far,) = lighting.strongest(positions, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
     assert list(far) == [9]  # the others have ended
 
 
