@@ -17,6 +17,8 @@ from typing import Any
 from options import parse
 from supervisor import Program, Supervisor
 
+FILM_PATIENCE = 600.0  # s; a film drops no picture, and drawing may be slower than the simulation was
+
 
 def programs(options: argparse.Namespace) -> list[Program]:
     """The nodes that the options ask for; the simulation first, because all the others wait for it."""
@@ -24,7 +26,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
     dds_profile = Path(package.origin if package and package.origin else "").with_name("fastdds.xml")
 
     def node(name: str, module: str, environment: dict[str, str] | None = None, terminal: bool = False,
-             **parameters: Any) -> Program:
+             patience: float = 0.0, **parameters: Any) -> Program:
         command = [sys.executable, "-m", module, "--ros-args", "--disable-external-lib-logs"]
         if options.verbose:
             command += ["--log-level", f"{name}:=debug"]
@@ -34,7 +36,8 @@ def programs(options: argparse.Namespace) -> list[Program]:
             if value is not None:
                 command += ["-p", f"{key}:={json.dumps(value, default=str)}"]
         leads = name == "drone_sim"
-        return Program(name, command, environment or {}, terminal, leads, niceness=0 if leads or terminal else 5)
+        niceness = 0 if leads or terminal else 5
+        return Program(name, command, environment or {}, terminal, leads, niceness, patience)
 
     # A film and a bag begin with the first step: the simulation waits until these two listen to tf.
     records_tf = options.record and (not options.record_topics or {"tf", "/tf"} & set(options.record_topics))
@@ -42,6 +45,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
                   listeners=bool(options.film) + bool(records_tf))]
     if not options.no_render:
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
+                          patience=FILM_PATIENCE if options.film else 0.0,
                           environment={"FASTRTPS_DEFAULT_PROFILES_FILE": str(dds_profile)}))
     if not options.no_teleop and sys.stdin.isatty():
         nodes.append(node("drone_teleop", "drone_teleop.teleop_node", terminal=True, camera=options.camera))

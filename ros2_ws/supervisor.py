@@ -39,6 +39,7 @@ class Program:
     terminal: bool = False  # it talks with the person: the terminal stays its own; when they quit it, all end
     leads: bool = False  # when it is done, all end
     niceness: int = 0  # above 0, it stands back where processors are few
+    patience: float = 0.0  # s that it may take to finish its work once the leading one is done; SIGTERM tells it so
 
 
 @dataclass
@@ -96,10 +97,9 @@ class Supervisor:
                 due = deadline is not None and time.monotonic() >= deadline
                 if self._ending and due:
                     self._kill()
-                elif not self._ending and (due or done or asked):
-                    self._interrupt()
+                elif asked or (not self._ending and (due or done)):
                     waiting.clear()
-                    deadline = time.monotonic() + GRACE
+                    deadline = time.monotonic() + self._end(patiently=done and not asked)
 
     def say(self, name: str, text: str, style: str = "") -> None:
         """One line on the terminal, the program's name in front."""
@@ -184,15 +184,20 @@ class Supervisor:
         for line in running.last:
             self.say(name, f"  {line}", "2")
 
-    def _interrupt(self) -> None:
-        """Asks all to end. SIGTERM where the terminal may have sent its own SIGINT already."""
+    def _end(self, patiently: bool) -> float:
+        """Asks all to end; returns in how many s they have to. SIGTERM where the terminal may have sent SIGINT."""
         self._ending = True
+        grace = GRACE
         for running in self._running.values():
-            running.process.send_signal(signal.SIGTERM if running.program.terminal else signal.SIGINT)
+            program = running.program
+            finishing = patiently and program.patience > 0.0
+            grace = max(grace, program.patience) if finishing else grace
+            running.process.send_signal(signal.SIGTERM if program.terminal or finishing else signal.SIGINT)
+        return grace
 
     def _kill(self) -> None:
         for name, running in self._running.items():
-            self.say(name, f"{name} did not end within {GRACE} s and is killed", "1;31")
+            self.say(name, f"{name} did not end in time and is killed", "1;31")
             if running.program.terminal:
                 running.process.kill()
             else:

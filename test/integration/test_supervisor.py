@@ -19,7 +19,8 @@ from supervisor import Program, Supervisor
 log_dir, alone_for, *programs = sys.argv[1:]
 def program(text):
     name, kind, code = text.split("|")
-    return Program(name, [sys.executable, "-uc", code], terminal=kind == "terminal", leads=kind == "leads")
+    return Program(name, [sys.executable, "-uc", code], terminal=kind == "terminal", leads=kind == "leads",
+                   patience=60.0 if kind == "patient" else 0.0)
 supervisor = Supervisor([program(text) for text in programs], pathlib.Path(log_dir))
 supervisor.run(float(alone_for))
 print("died:", sorted(supervisor.died))
@@ -38,6 +39,12 @@ print('[INFO] [1.5] [x]: up')
 while not interrupts: time.sleep(0.02)
 time.sleep(0.3)
 print('[INFO] [2.5] [x]: interrupted', len(interrupts), 'times')
+"""
+FINISHES = """
+import signal, time
+signal.signal(15, lambda *_: (time.sleep(2.5), print('[INFO] [2.5] [x]: finished'), exit(0)))
+print('[INFO] [1.5] [x]: up')
+time.sleep(100)
 """
 DEAF = "import signal, time; signal.signal(2, signal.SIG_IGN); print('[INFO] [1.0] [x]: up'); time.sleep(100)"
 
@@ -71,6 +78,20 @@ def test_leader_that_is_done_ends_the_others(supervise: Supervise, tmp_path: Pat
     assert "died: []" in process.output()
     assert "other | closing" in process.output()
     assert "[INFO] [1.5] [x]: up\n" in (tmp_path / "other.log").read_text()
+
+
+def test_what_has_patience_finishes_its_work_when_the_leader_is_done(supervise: Supervise) -> None:
+    process = supervise("sim|leads|import time; time.sleep(1.5)", f"film|patient|{FINISHES}", f"other||{WAITS}")
+    assert process.wait() == 0
+    assert "film  | finished" in process.output()  # although that takes longer than the rest may
+    assert "died: []" in process.output()
+
+
+def test_ctrl_c_has_no_patience(supervise: Supervise) -> None:
+    process = supervise(f"sim|leads|{WAITS}", f"film|patient|{WAITS}")
+    wait_for_output(process, "film | up")
+    assert process.interrupt() == 0
+    assert process.output().count("closing") == 2
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -112,7 +133,7 @@ def test_what_does_not_end_is_killed(supervise: Supervise) -> None:
     wait_for_output(process, "sim  | up")
     process.send(signal.SIGINT)
     assert process.wait() == 0
-    assert "deaf did not end within" in process.output()
+    assert "deaf did not end in time and is killed" in process.output()
     assert "died: ['deaf']" in process.output()
 
 
