@@ -1,5 +1,6 @@
 """The node that draws: follows the scene and the poses, publishes what its cameras see."""
 
+import signal
 import sys
 import threading
 import time
@@ -15,11 +16,11 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene as SceneMessage
 from PIL import Image as PillowImage
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -34,6 +35,7 @@ from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
 from drone_sim.cdr import Transforms, read_transforms
+from drone_sim.process import ENDS
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
@@ -156,9 +158,9 @@ class RenderNode(Node):
 
     # What draws, in the thread that owns the context.
 
-    def run(self) -> None:
-        """Draws until ROS shuts down."""
-        while self.context.ok():
+    def run(self, stop: threading.Event) -> None:
+        """Draws until `stop` is set."""
+        while not stop.is_set():
             with self._changed:
                 now = time.monotonic()
                 wait = None if self._schedule is None else self._schedule.wait(now)
@@ -279,7 +281,10 @@ class RenderNode(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    rclpy.init(args=args)
+    stop = threading.Event()
+    for end in ENDS:  # a signal only sets a flag: what is being drawn or published is finished
+        signal.signal(end, lambda *_: stop.set())
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = RenderNode()
     except context.ContextError as error:
@@ -288,15 +293,13 @@ def main(args: list[str] | None = None) -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     spinning = ThreadPoolExecutor(1, "ros").submit(executor.spin)
-    spinning.add_done_callback(lambda _: rclpy.try_shutdown())  # a callback that failed ends the node
+    spinning.add_done_callback(lambda _: stop.set())  # a callback that failed ends the node
     try:
-        node.run()
+        node.run(stop)
+        executor.shutdown(timeout_sec=FINISH_WITHIN)
         spinning.result()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
-    except RCLError:  # ROS may end between two calls
-        if rclpy.ok():
-            raise
     finally:
         node.close()
         rclpy.try_shutdown()

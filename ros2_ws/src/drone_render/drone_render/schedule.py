@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from drone_render.history import SECOND, History, Moment, Timetable
 from drone_render.view import Array
 
+LATE = 5  # periods; what is older is not worth watching, but a short jam is caught up with
 PAUSE = 0.25  # s; a longer wait for a state is no pace but a pause
 
 
@@ -34,7 +35,7 @@ class Schedule:
         self._live = Timetable(live)
         self._film = None if film is None else Timetable(film)
         self._due: deque[Due] = deque()
-        self._late = 2 * SECOND / min(physics, live)  # ns; what is older is not worth watching
+        self._late = LATE * SECOND / min(physics, live)  # ns
         self._arrived: float | None = None
         self._pace = 1 / physics  # s of wall time between two states
 

@@ -171,8 +171,9 @@ class SolidPass:
         lights = np.column_stack([positions, lighting.falloff, lighting.colours, lighting.cut]).astype(np.float32)
         chosen = lighting.strongest(positions, self._rows[seen], centres[seen], self._radii[seen])
         matrices = np.ascontiguousarray(places[seen].transpose(0, 2, 1), dtype=np.float32)
-        shared: dict[str, npt.ArrayLike] = {"view_projection": frame.view_projection.T, "ambient": self._ambient, "eye": frame.eye}
-        uniforms = {name: packed(value) for name, value in {**shared, **frame.sun_uniforms()}.items()}
+        shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
+        shared["view_projection"] = frame.view_projection.T
+        uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
         used: tuple[moderngl.Program, Maps] | None = None
         for i, matrix, numbers in zip(seen.tolist(), matrices, chosen, strict=True):
