@@ -1,5 +1,6 @@
 """Where OpenGL comes from: an off-screen context through EGL, and what is shared on its device."""
 
+import ctypes
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -29,6 +30,14 @@ def create() -> moderngl.Context:
 def device_name(context: moderngl.Context) -> str:
     """What draws, as the driver calls itself: 'llvmpipe (LLVM 15.0.6, 256 bits)'."""
     return str(context.info["GL_RENDERER"])
+
+
+def waiter() -> Callable[[], None]:
+    """What waits until all is drawn, and lets other threads run meanwhile, which moderngl does not."""
+    egl = ctypes.CDLL("libEGL.so.1")
+    egl.eglGetProcAddress.restype = ctypes.c_void_p
+    egl.eglGetProcAddress.argtypes = [ctypes.c_char_p]
+    return ctypes.CFUNCTYPE(None)(egl.eglGetProcAddress(b"glFinish"))
 
 
 def packed(numbers: npt.ArrayLike) -> bytes:

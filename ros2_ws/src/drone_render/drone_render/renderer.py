@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from drone_render import view
-from drone_render.context import Device, packed
+from drone_render.context import Device, packed, waiter
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.passes import Frame, SkyPass, Sun, WaterPass
@@ -29,6 +29,7 @@ class Renderer:
         self.scene = scene
         self.hierarchy = Hierarchy(scene)
         self._context = context
+        self._wait = waiter()
         self._device = Device(context)
         self._lighting = Lighting(self.hierarchy)
         self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
@@ -120,6 +121,7 @@ class Renderer:
                 self._water.draw(self._models[row], packed(world[row].T))
         if self._sky is not None:
             self._sky.draw(frame)
+        self._wait()
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
         return place
 

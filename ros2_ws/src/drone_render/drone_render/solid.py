@@ -28,7 +28,6 @@ class Look(NamedTuple):
     colour_map: Path | None
     normal_map: Path | None
     squarings: int | None  # None: without highlights
-    glows: bool
 
     @classmethod
     def of(cls, material: Material, render: Render) -> "Look":
@@ -38,7 +37,6 @@ class Look(NamedTuple):
             material.colour_map,
             material.normal_map if render.normal_mapping is not None else None,
             squarings(material.shininess) if shines else None,
-            any(material.emission),
         )
 
 
@@ -72,6 +70,7 @@ class Surface:
 
     def __init__(self, device: Device, look: Look, maps: Maps, sun: bool, parts: list[Part]) -> None:
         self._device, self._look, self.maps, self._sun = device, look, maps, sun
+        self._glows = any(any(part.material.emission) for part in parts)
         self.centre, self.radius = sphere([part.vertices for part in parts])
         columns: dict[str, list[npt.NDArray[np.floating]]] = {
             "position": [part.vertices for part in parts],
@@ -95,7 +94,7 @@ class Surface:
         maps = {name.upper(): True for name in self.maps.textures}
         return Variant.of(
             "solid", LIGHTS=lights, SUN=self._sun, UV=bool(maps), BUMPS=self._look.normal_map is not None,
-            EMISSIVE=self._look.glows, SPECULAR=self._look.squarings or False, **maps,
+            EMISSIVE=self._glows, SPECULAR=self._look.squarings or False, **maps,
         )  # fmt: skip
 
     def array(self, lights: int) -> moderngl.VertexArray:
