@@ -5,9 +5,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +29,7 @@ from drone_render.history import SECOND
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.schedule import Due, Schedule
-from drone_render.shutter import Shutter, rigid_transforms
+from drone_render.shutter import Request, Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
 from drone_sim.cdr import Transforms, read_transforms
@@ -41,15 +39,6 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
 EARLY = 10_000  # states kept for a film while its scene is being loaded
 FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
-
-
-@dataclass
-class Request:
-    """Somebody waits for a picture of the selected camera."""
-
-    done: threading.Event = field(default_factory=threading.Event)
-    image: PillowImage.Image | None = None
-    name: str = ""
 
 
 class RenderNode(Node):
@@ -80,6 +69,8 @@ class RenderNode(Node):
         self._selected = ""
         self._shutters: dict[str, Shutter] = {}
         self._drawn = 0
+        self._publishing = ThreadPoolExecutor(1, "publish")  # beside the drawing of the next picture
+        self._published: Future[None] = self._publishing.submit(lambda: None)
 
         self.create_subscription(SceneMessage, "scene", self._on_scene, LATCHED)
         self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
@@ -90,8 +81,7 @@ class RenderNode(Node):
         self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _text(self, name: str, default: str, description: str) -> str:
-        descriptor = ParameterDescriptor(description=description)
-        return str(self.declare_parameter(name, default, descriptor).get_parameter_value().string_value)
+        return str(self.declare_parameter(name, default, ParameterDescriptor(description=description)).value)
 
     # What ROS brings, in its own thread.
 
@@ -181,6 +171,7 @@ class RenderNode(Node):
 
     def close(self) -> None:
         """Finishes the film with what is left of it, and gives the device back."""
+        self._publishing.shutdown()
         until = time.monotonic() + FINISH_WITHIN
         schedule = self._schedule if self._film_path else None
         try:
@@ -213,6 +204,7 @@ class RenderNode(Node):
             old.release()
         film = float(self._film_rate) if self._film_path else None
         hierarchy = renderer.hierarchy
+        self._published.result()
         for shutter in self._shutters.values():
             shutter.close()
         with self._changed:
@@ -229,16 +221,12 @@ class RenderNode(Node):
 
     def _draw(self, due: Due) -> None:
         poses = due.moment.poses()
-        for name in self._wanted(due):
-            shutter = self._shutters[name]
-            self._take(name, shutter, poses, due.moment.stamp, due.live)
-            if due.film and name == self._selected:
-                self._expose(shutter.picture)
-
-    def _wanted(self, due: Due) -> Iterator[str]:
         for name, shutter in self._shutters.items():
-            if (due.film and name == self._selected) or (due.live and shutter.watched()):
-                yield name
+            filmed = due.film and name == self._selected
+            if filmed or (due.live and shutter.watched()):
+                self._take(name, shutter, poses, due.moment.stamp, due.live)
+            if filmed:
+                self._expose(shutter.picture)
 
     def _take(self, name: str, shutter: Shutter, poses: Array, stamp: int, live: bool) -> None:
         """Draws one picture and, if it is live, publishes it."""
@@ -249,7 +237,8 @@ class RenderNode(Node):
         shutter.drawn += 1
         self._drawn += 1
         if live:
-            shutter.publish(stamp, place)
+            self._published.result()
+            self._published = self._publishing.submit(shutter.publish, stamp, place, shutter.picture.message(stamp))
 
     def _expose(self, picture: Picture) -> None:
         """Adds a picture to the film, whose size is that of its first one."""

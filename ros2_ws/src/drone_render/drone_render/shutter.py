@@ -1,6 +1,10 @@
 """One camera in the graph: its topics, the bytes of its messages, and what its pictures took."""
 
+import threading
+from dataclasses import dataclass, field
+
 from diagnostic_msgs.msg import KeyValue
+from PIL import Image as PillowImage
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
@@ -10,6 +14,15 @@ from drone_render import view
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import Array
 from drone_sim.scene import Camera
+
+
+@dataclass
+class Request:
+    """Somebody waits for a picture of the selected camera."""
+
+    done: threading.Event = field(default_factory=threading.Event)
+    image: PillowImage.Image | None = None
+    name: str = ""
 
 
 class Shutter:
@@ -31,15 +44,15 @@ class Shutter:
         """Whether anybody listens."""
         return bool(self._images.get_subscription_count() or self._infos.get_subscription_count())
 
-    def publish(self, stamp: int, place: Array) -> None:
-        """Publishes the picture with its stamp in ns, taken from the matrix `place` in the world."""
+    def publish(self, stamp: int, place: Array, image: bytes) -> None:
+        """Publishes a picture's message with its stamp in ns, taken from the matrix `place` in the world."""
         if self._places is not None:
             self._place.stamp(stamp)
             self._place.write("pose", view.pose_of(place))
             self._places.publish(bytes(self._place))
         self._info.stamp(stamp)
         self._infos.publish(bytes(self._info))
-        self._images.publish(self.picture.message(stamp))
+        self._images.publish(image)
 
     def report(self) -> list[KeyValue]:
         """Mean ms per picture since the last report; nothing if none was drawn."""
