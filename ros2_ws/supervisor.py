@@ -75,7 +75,8 @@ class Supervisor:
         If the leading program dies, the rest go on until `alone_for` s after the start; 0 means endlessly.
         """
         start = time.monotonic()
-        deadline: float | None = None  # what is due then: the end, or while ending the use of force
+        deadline: float | None = None  # what is due then: the end, or while ending more pressure
+        urged = False  # asked twice: a Python program that is just importing may swallow the first SIGINT
         with selectors.DefaultSelector() as selector, _SignalPipe() as signals:
             selector.register(signals, selectors.EVENT_READ)
             waiting = deque(enumerate(self._programs))
@@ -86,8 +87,7 @@ class Supervisor:
                 moments = [start + waiting[0][0] * SPACING] if waiting else []
                 moments += [deadline] if deadline is not None else []
                 timeout = max(0.0, min(moments) - time.monotonic()) if moments else None
-                ready = [key for key, _ in selector.select(timeout)]
-                for key in ready:
+                for key in [key for key, _ in selector.select(timeout)]:
                     if key.data and not self._read(key.data):
                         selector.unregister(key.fileobj)
                 asked = signals.asked_to_end()
@@ -95,11 +95,14 @@ class Supervisor:
                 if lost and alone_for and not self._ending:
                     deadline = start + alone_for
                 due = deadline is not None and time.monotonic() >= deadline
-                if self._ending and due:
+                if self._ending and due and urged:
                     self._kill()
+                elif self._ending and due:
+                    self._end(patiently=False)
+                    urged, deadline = True, time.monotonic() + GRACE / 2
                 elif asked or (not self._ending and (due or done)):
                     waiting.clear()
-                    deadline = time.monotonic() + self._end(patiently=done and not asked)
+                    deadline = time.monotonic() + self._end(patiently=done and not asked) - GRACE / 2
 
     def say(self, name: str, text: str, style: str = "") -> None:
         """One line on the terminal, the program's name in front."""

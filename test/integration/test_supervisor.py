@@ -46,6 +46,14 @@ signal.signal(15, lambda *_: (time.sleep(2.5), print('[INFO] [2.5] [x]: finished
 print('[INFO] [1.5] [x]: up')
 time.sleep(100)
 """
+HARD_OF_HEARING = """
+import signal, time
+asked = []
+signal.signal(2, lambda *_: asked.append(1))
+print('[INFO] [1.5] [x]: up')
+while len(asked) < 2: time.sleep(0.02)
+print('[INFO] [2.5] [x]: closing')
+"""
 DEAF = "import signal, time; signal.signal(2, signal.SIG_IGN); print('[INFO] [1.0] [x]: up'); time.sleep(100)"
 
 WORKSPACE = Path(__file__).parents[2] / "ros2_ws"
@@ -73,7 +81,7 @@ def wait_for_output(process: NodeProcess, text: str) -> None:
 
 
 def test_leader_that_is_done_ends_the_others(supervise: Supervise, tmp_path: Path) -> None:
-    process = supervise("sim|leads|import time; time.sleep(0.5)", f"other||{WAITS}")
+    process = supervise("sim|leads|import time; time.sleep(2)", f"other||{WAITS}")
     assert process.wait() == 0
     assert "died: []" in process.output()
     assert "other | closing" in process.output()
@@ -81,9 +89,17 @@ def test_leader_that_is_done_ends_the_others(supervise: Supervise, tmp_path: Pat
 
 
 def test_what_has_patience_finishes_its_work_when_the_leader_is_done(supervise: Supervise) -> None:
-    process = supervise("sim|leads|import time; time.sleep(1.5)", f"film|patient|{FINISHES}", f"other||{WAITS}")
+    process = supervise("sim|leads|import time; time.sleep(3)", f"film|patient|{FINISHES}", f"other||{WAITS}")
     assert process.wait() == 0
     assert "film  | finished" in process.output()  # although that takes longer than the rest may
+    assert "died: []" in process.output()
+
+
+def test_what_missed_the_first_signal_is_asked_again(supervise: Supervise) -> None:
+    process = supervise(f"sim|leads|{WAITS}", f"other||{HARD_OF_HEARING}")
+    wait_for_output(process, "other | up")
+    assert process.interrupt() == 0
+    assert "other | closing" in process.output()
     assert "died: []" in process.output()
 
 
