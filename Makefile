@@ -9,8 +9,11 @@ INTERFACES := ros2_ws/src/drone_interfaces ros2_ws/src/drone_assets \
 SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py')
 RUN        := $(VENV)/bin/python
 
+# A sourced ROS would bring a second copy of the libraries that the environment has.
+unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
+
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check assets lock clean
+.PHONY: help fly build test check assets figures lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -24,10 +27,13 @@ test: build  ## style, types, architecture, unit and integration tests
 	@$(RUN) -m pytest
 
 assets: build  ## rebuild models and textures from their scripts, byte for byte
-	@cd assets && $(abspath $(RUN)) -m make
+	@cd assets && "$(CURDIR)/$(RUN)" -m make
 
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
+
+figures: build  ## draw the picture of the README anew
+	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 
 lock: build  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

@@ -12,9 +12,10 @@ if command -v "$python" > /dev/null 2>&1; then
     echo "make: $("$python" --version) found, but ROS 2 Jazzy needs Python 3.11, 3.12 or 3.13; name one with: make fly PYTHON=python3.12" >&2
     exit 1
   }
-  "$python" -c 'import ensurepip, venv' 2> /dev/null || missing="$missing python3-venv"
+  version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
+  "$python" -c 'import ensurepip, venv' 2> /dev/null || missing="$missing $version-venv"
   "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))' \
-    || missing="$missing python3-dev"
+    || missing="$missing $version-dev"
 fi
 has_library() { "$python" -c "import ctypes; ctypes.CDLL('$1')" 2> /dev/null; }
 if command -v "$python" > /dev/null 2>&1; then
@@ -28,9 +29,10 @@ fi
 [ -z "$missing" ] && exit 0
 if [ "$(id -u)" = 0 ] && command -v apt-get > /dev/null 2>&1; then
   echo "installing$missing ..."
+  log=$(mktemp)
   { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $missing; } \
-    > /tmp/drone_sim_apt.log 2>&1 && exit 0
-  tail -n 5 /tmp/drone_sim_apt.log >&2
+    > "$log" 2>&1 && exit 0
+  tail -n 5 "$log" >&2
 fi
 echo "make: missing on this system; type: sudo apt-get install$missing" >&2
 exit 1

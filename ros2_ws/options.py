@@ -62,6 +62,10 @@ def parse() -> argparse.Namespace:
     options = parser.parse_args()
     if options.record and options.record.exists():
         parser.error(f"--record: {options.record} exists; a bag needs a new folder")
+    if options.rtf > 1000.0 or options.duration > 1e9:
+        parser.error("--rtf goes up to 1000, --duration up to 1e9")
+    if options.rtf == 0.0 and (options.record or options.film):
+        parser.error("--rtf 0 outruns --record and --film, which would miss states; give a factor, 4 say")
     if options.record_topics and not options.record:
         parser.error("--record-topics needs --record")
     if options.film and options.film.suffix not in (".mp4", ".gif"):

@@ -17,6 +17,7 @@ from typing import Any
 from options import parse
 from supervisor import Program, Supervisor
 
+DDS_PROFILE = "FASTRTPS_DEFAULT_PROFILES_FILE"  # the person's own, if set, is left to all nodes
 FILM_PATIENCE = 600.0  # s; a film drops no picture, and drawing may be slower than the simulation was
 
 
@@ -46,7 +47,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
     if not options.no_render:
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
                           patience=FILM_PATIENCE if options.film else 0.0,
-                          environment={"FASTRTPS_DEFAULT_PROFILES_FILE": str(dds_profile)}))
+                          environment={} if DDS_PROFILE in os.environ else {DDS_PROFILE: str(dds_profile)}))
     if not options.no_teleop and sys.stdin.isatty():
         nodes.append(node("drone_teleop", "drone_teleop.teleop_node", terminal=True, camera=options.camera))
     if not options.no_ai:
@@ -60,7 +61,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
 def set_environment(options: argparse.Namespace) -> None:
     """What all nodes share; what the person has set already stays."""
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
-    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).with_name("fastdds.xml")))
+    os.environ.setdefault(DDS_PROFILE, str(Path(__file__).with_name("fastdds.xml")))
     os.environ["PYTHONUNBUFFERED"] = "1"
     for library in ("OPENBLAS", "OMP", "NUMBA"):  # a thread pool for each core in each node only costs start-up
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -81,13 +82,14 @@ def main() -> int:
         options = parse()
     except KeyboardInterrupt:  # before anything has started
         return 0
+    nodes = programs(options)
     set_environment(options)
     if not options.no_teleop and not sys.stdin.isatty():
         print("no teleop: the standard input is not a terminal")
 
     start = time.monotonic()
     terminal = termios.tcgetattr(sys.stdin) if sys.stdin.isatty() else None
-    supervisor = Supervisor(programs(options), options.log_dir, options.verbose)
+    supervisor = Supervisor(nodes, options.log_dir, options.verbose)
     supervisor.run(alone_for=options.duration / (options.rtf or 1.0))
     if terminal:  # whatever became of the program that changed it
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, terminal)

@@ -30,12 +30,17 @@ def main(args: list[str] | None = None) -> int:
     parser.add_argument("--camera", help="which camera; the first if not given")
     parser.add_argument("--out", type=Path, default=Path("out/snapshot.png"), help="the PNG to write")
     parser.add_argument("--time", type=float, default=0.0, help="simulated s; moves clouds, waves and orbits")
+    parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"),
+                        help="pixels; the camera's own if not given")
     options = parser.parse_args(args)
     try:
         scene = scenes.load(options.scene)
         camera = options.camera or next(iter(scene.cameras), "")
         if camera not in scene.cameras:
             raise ValueError(f"no camera '{camera}' in {scene.path}; there are {', '.join(scene.cameras) or 'none'}")
+        if options.size:
+            resized = scene.cameras[camera].model_copy(update={"size": tuple(options.size)})
+            scene = scene.model_copy(update={"cameras": {**scene.cameras, camera: resized}})
         image = draw(scene, camera, options.time)
         options.out.parent.mkdir(parents=True, exist_ok=True)
         image.save(options.out)

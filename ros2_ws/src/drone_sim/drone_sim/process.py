@@ -4,38 +4,54 @@ rclpy's own signal handlers end the context under whatever callback is running, 
 what it publishes or writes. Here a signal only sets a future, and the callback that is running is the last.
 """
 
+import os
 import signal
 import sys
 import threading
 from collections.abc import Callable
 
 import rclpy
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 ENDS = (signal.SIGINT, signal.SIGTERM)
+PARAMETER_ERRORS = (InvalidParameterTypeException, InvalidParameterValueException)
 
 
 def run(name: str, make_node: Callable[[Future], Node], args: list[str] | None, *errors: type[Exception]) -> int:
     """Makes a node and spins it; the future that it is given ends it. Returns the exit status.
 
-    An error of the given types, when it is made or while it runs, is one line that begins with the name, and status 1.
+    An error of the given types, or a parameter that cannot be, is one line that begins with the name, and status 1.
     """
     stop = Future()
-    # Waited for in a thread of their own: a spinning main thread would not look at them before its next callback.
-    signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
-    threading.Thread(target=lambda: stop.set_result(signal.sigwait(ENDS)), name="signals", daemon=True).start()
+    for number in ENDS:  # while the node is being made: kernels may be compiling, which nobody should wait for
+        signal.signal(number, signal.default_int_handler)
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = make_node(stop)
         try:
+            _watch(stop)
             rclpy.spin_until_future_complete(node, stop)
         finally:
             node.destroy_node()
-    except errors as error:
+    except KeyboardInterrupt:
+        pass
+    except (*errors, *PARAMETER_ERRORS) as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1
     finally:
         rclpy.try_shutdown()
     return 0
+
+
+def _watch(stop: Future) -> None:
+    """From here on a signal sets the future. Python runs handlers in the main thread only, which may be asleep in a
+    wait of ROS; so another thread reads from the pipe into which the interpreter writes each signal at once."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    for number in ENDS:
+        signal.signal(number, lambda *_: None)
+    signal.set_wakeup_fd(writer)
+    threading.Thread(target=lambda: (os.read(reader, 1), stop.set_result(None)), name="signals", daemon=True).start()

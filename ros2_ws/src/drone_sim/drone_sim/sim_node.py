@@ -35,6 +35,7 @@ CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odom
            Type.JOINTS: JointState}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
+MOST_STEPS = 10_000  # of one call; nothing else is answered meanwhile
 MARKER_RATE = 10.0  # Hz of simulated time, and only while somebody looks
 LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
 UNPACED_SLICE = 0.005  # s of wall time between looks at the subscriptions when running as fast as it can
@@ -117,7 +118,8 @@ class SimNode(Node):
         self._pacer = Pacer(self._world.scene.rates.physics, self._factor) if self._factor else None
         if self._timer:
             self.destroy_timer(self._timer)
-        self._timer = self.create_timer(self._pacer.period if self._pacer else 0.0, self._on_time, clock=self._wall)
+        period = self._pacer.period if self._pacer else UNPACED_SLICE
+        self._timer = self.create_timer(period, self._on_time, clock=self._wall)
         self._reported = (self._now(), int(self._world.state.step[0]))
 
     def _now(self) -> float:
@@ -126,7 +128,9 @@ class SimNode(Node):
     # Time
 
     def _on_time(self) -> None:
-        if self._state != SimulationState.STATE_PLAYING or not self._is_heard():
+        if self._awaited:
+            self._look_for_listeners()
+        if not self._is_running():
             return
         if self._pacer:
             for _ in range(self._pacer.due(self._now())):
@@ -136,17 +140,19 @@ class SimNode(Node):
             while self._now() < end and not self._finished.done():
                 self._step()
 
-    def _is_heard(self) -> bool:
-        """Whether those are there that must miss nothing; once they were, time goes on without them."""
-        if not self._awaited:
-            return True
+    def _is_running(self) -> bool:
+        """Whether time goes on: nobody has stopped it, and those are there that must miss nothing."""
+        return self._state == SimulationState.STATE_PLAYING and not self._awaited
+
+    def _look_for_listeners(self) -> None:
+        """Lets time start when enough listen to tf, or have been waited for long enough."""
         late = self._now() > self._loaded + LONGEST_WAIT
         if late or self._outputs["tf"].get_subscription_count() >= self._awaited:
             if late:
                 self.get_logger().warning(f"tf: fewer than {self._awaited} listen after {LONGEST_WAIT:g} s; going on")
             self._awaited = 0
+            self._restart_clock()
             self._publish()
-        return not self._awaited
 
     def _step(self) -> None:
         if self._finished.done():
@@ -181,6 +187,10 @@ class SimNode(Node):
 
     def _on_load(self, request: LoadWorld.Request, response: LoadWorld.Response) -> LoadWorld.Response:
         uri = request.world_resource.uri.removeprefix("file://")
+        if not uri and request.world_resource.resource_string:
+            response.result = Result(result=LoadWorld.Response.UNSUPPORTED_FORMAT,
+                                     error_message="world_resource.resource_string: scenes are files; give a uri")
+            return response
         if not uri:
             response.result = Result(result=LoadWorld.Response.NO_RESOURCE,
                                      error_message="world_resource.uri: expected a scene's name or file")
@@ -198,6 +208,10 @@ class SimNode(Node):
         return response
 
     def _on_reset(self, request: ResetSimulation.Request, response: ResetSimulation.Response) -> object:
+        if request.scope not in (ResetSimulation.Request.SCOPE_DEFAULT, ResetSimulation.Request.SCOPE_ALL):
+            response.result = Result(result=Result.RESULT_FEATURE_UNSUPPORTED,
+                                     error_message="scope: only all (255) or the default (0) can be reset")
+            return response
         self._world.reset()
         self._restart_clock()
         self._publish()
@@ -221,8 +235,7 @@ class SimNode(Node):
             if wanted == SimulationState.STATE_STOPPED:
                 self._world.reset()
                 self._publish()
-            if self._pacer:
-                self._pacer.restart()
+            self._restart_clock()
             response.result = Result(result=Result.RESULT_OK)
         else:
             response.result = Result(result=SetSimulationState.Response.INCORRECT_TRANSITION,
@@ -233,6 +246,10 @@ class SimNode(Node):
         if self._state != SimulationState.STATE_PAUSED:
             response.result = Result(result=Result.RESULT_OPERATION_FAILED,
                                      error_message="the simulation is not paused")
+            return response
+        if request.steps > MOST_STEPS:
+            response.result = Result(result=Result.RESULT_OPERATION_FAILED,
+                                     error_message=f"steps: at most {MOST_STEPS} at once, got {request.steps}")
             return response
         for _ in range(request.steps):
             self._step()
@@ -245,9 +262,10 @@ class SimNode(Node):
         now, step = self._now(), int(self._world.state.step[0])
         (before, last), self._reported = self._reported, (now, step)
         rate = (step - last) / (now - before) if now > before else 0.0
+        asked = self._factor * self._world.scene.rates.physics if self._is_running() else 0.0
+        lag = self._pacer.lag if self._pacer else 0.0
         self._diagnostics_output.publish(diagnostics(
-            self._world, self._telemetry.time_ns, rate=rate, rejected=self._rejected,
-            asked=self._factor * self._world.scene.rates.physics, lag=self._pacer.lag if self._pacer else 0.0))
+            self._world, self._telemetry.time_ns, rate=rate, asked=asked, rejected=self._rejected, lag=lag))
 
 
 def main(args: list[str] | None = None) -> int:
