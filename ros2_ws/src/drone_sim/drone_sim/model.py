@@ -12,9 +12,10 @@ import numpy as np
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.rotation import from_rpy, rotate_all
-from drone_sim.scene import Object, Pose, Scene
+from drone_sim.scene import Object, Pose, Scene, SceneError
 
 SPHERE, OBB, OCTREE, TRIANGLE = range(4)  # collision levels, as drone_interfaces/CollisionEvent numbers them
+THINNEST, THICKEST = 1e-6, 1e6  # m; sides of what moves, so that its inertia is neither zero nor infinite
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Model:
 
 
 def build(scene: Scene) -> Model:
-    """Reads the models that the scene names. Raises mesh.MeshError."""
+    """Reads the models that the scene names. Raises mesh.MeshError, and SceneError for what moves but is flat."""
     objects = scene.objects
     level = {name: (thing.collision or scene.collision).level for name, thing in objects.items()}
     body_names = [name for name, thing in objects.items()
@@ -122,6 +123,10 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
     half, centre_b = (high - low) / 2, (high + low) / 2
     mass = np.array([thing.mass or 0.0 for thing in things])
     movable = mass > 0.0
+    for i in np.flatnonzero(movable & ((2 * half < THINNEST) | (2 * half > THICKEST)).any(axis=1)):
+        size = " x ".join(f"{2 * side:g}" for side in half[i])
+        raise SceneError(f"{scene.path}: objects.{names[i]}.model: {scene.model_path(names[i])} has no volume that "
+                         f"can move: each side needs {THINNEST:g} to {THICKEST:g} m, got {size} m")
     squares = half**2
     start_w = _poses(thing.pose for thing in things)
     start_w[:, :3] += rotate_all(start_w[:, 3:], centre_b)

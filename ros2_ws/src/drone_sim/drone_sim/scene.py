@@ -6,15 +6,14 @@ Effects stay as the scene words them: each effect validates its own parameters (
 """
 
 import hashlib
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, model_validator
 
 from drone_sim.assets import asset_path
+from drone_sim.scene_text import as_json
 
 FILE_SIZE_LIMIT = 1 << 20  # bytes; a scene is text that a person wrote
 
@@ -22,9 +21,9 @@ Vector = tuple[float, float, float]
 Unit = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = tuple[Unit, Unit, Unit]
 Rate = Annotated[float, Field(gt=0.0, le=10_000.0)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
-
-
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
+Topic = Annotated[str, Field(pattern=r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
+Mass = Annotated[float, Field(ge=1e-6, le=1e9)]  # kg
 Pose = tuple[float, float, float, float, float, float]
 ORIGIN: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -63,7 +62,7 @@ class Flight(Strict):
     """Makes a body a drone: the topic that commands it, and what its rotors can do."""
 
     model: Literal["direct"] = "direct"
-    cmd_vel: str = "cmd_vel"
+    cmd_vel: Topic = "cmd_vel"
     max_speed: PositiveFloat = 8.0  # m/s
     max_acceleration: PositiveFloat = 8.0  # m/s^2, beyond what carries the weight
     max_yaw_rate: PositiveFloat = 2.5  # rad/s
@@ -91,7 +90,7 @@ class Object(Strict):
     parent: Name | None = None
     pose: Pose = ORIGIN
     static: bool = False
-    mass: PositiveFloat | None = None
+    mass: Mass | None = None
     friction: Annotated[float, Field(ge=0.0)] = 0.6
     restitution: Unit = 0.2
     collision: Collision | None = None  # the scene's, if not given
@@ -210,6 +209,26 @@ class Scene(Strict):
     hash: str = ""  # SHA-256 over this file and the models that it names, hexadecimal
 
     @model_validator(mode="after")
+    def _frames(self) -> Self:
+        for key, _ in self._things():
+            if key.endswith(".world"):
+                raise ValueError(f"{key}: everything stands in the frame 'world', so nothing else is called that")
+        frames = set(self.objects)
+        for name in self.cameras:
+            for frame in (name, f"{name}_optical"):
+                if frame in frames:
+                    raise ValueError(f"cameras.{name}: another frame is called '{frame}'")
+                frames.add(frame)
+        return self
+
+    @model_validator(mode="after")
+    def _floors(self) -> Self:
+        for name, thing in self.objects.items():
+            if thing.mass is not None and (thing.collision or self.collision).level == "floor":
+                raise ValueError(f"objects.{name}.collision.level: a 'floor' does not move, so it has no 'mass'")
+        return self
+
+    @model_validator(mode="after")
     def _parents(self) -> Self:
         for key, thing in self._things():
             for what in ("parent", "look_at"):
@@ -259,17 +278,11 @@ def parse(text: bytes | str, path: Path) -> Scene:
     if len(text) > FILE_SIZE_LIMIT:
         raise SceneError(f"{path}: larger than {FILE_SIZE_LIMIT} bytes, which no scene needs")
     try:
-        for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-            if isinstance(event, yaml.AliasEvent):
-                raise SceneError(f"{path}: YAML aliases are not allowed ('*{event.anchor}')")
-        data = yaml.load(text, Loader=_UniqueKeyLoader)
-        scene = Scene.model_validate_json(json.dumps(_spell_out(data), default=str), strict=True)
-    except (yaml.YAMLError, RecursionError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}: " if mark else ""
-        raise SceneError(f"{path}: {where}{getattr(error, 'problem', None) or error}") from None
+        scene = Scene.model_validate_json(as_json(text), strict=True)
     except ValidationError as error:
         raise SceneError(f"{path}: {first_error(error)}") from None
+    except ValueError as error:
+        raise SceneError(f"{path}: {error}") from None
     if written := {"name", "path", "hash"} & scene.model_fields_set:
         raise SceneError(f"{path}: {min(written)}: is not for the file to say")
     scene = scene.model_copy(update={"name": path.stem, "path": path.absolute()})
@@ -280,38 +293,6 @@ def parse(text: bytes | str, path: Path) -> Scene:
         except (OSError, ValueError) as error:
             raise SceneError(f"{path}: objects.{name}.model: {error}") from None
     return scene.model_copy(update={"hash": digest.hexdigest()})
-
-
-class _UniqueKeyLoader(yaml.CSafeLoader):
-    """PyYAML keeps the last of two equal keys without a word; here that is an error."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for key, _ in node.value:
-            if isinstance(key, yaml.ScalarNode) and keys.count(key.value) > 1:
-                raise yaml.constructor.ConstructorError(None, None, f"'{key.value}' stands here twice", key.start_mark)
-        return super().construct_mapping(node, deep)
-
-
-def _spell_out(data: Any) -> Any:
-    """Objects with 'poses' become one object a pose, and poses of three numbers get their three angles."""
-    if not isinstance(data, dict):
-        return data
-    spelt = dict(data)
-    for kind in ("objects", "lights", "cameras"):
-        things: dict[Any, Any] = {}
-        for name, thing in data[kind].items() if isinstance(data.get(kind), dict) else ():
-            if isinstance(thing, dict) and isinstance(thing.get("poses"), list):
-                shared = {key: value for key, value in thing.items() if key != "poses"}
-                things |= {f"{name}_{i}": {**shared, "pose": pose} for i, pose in enumerate(thing["poses"])}
-            else:
-                things[name] = thing
-        for name, thing in things.items():
-            if isinstance(thing, dict) and isinstance(thing.get("pose"), list) and len(thing["pose"]) == 3:
-                things[name] = {**thing, "pose": [*thing["pose"], 0.0, 0.0, 0.0]}
-        if things:
-            spelt[kind] = things
-    return spelt
 
 
 def first_error(error: ValidationError, prefix: tuple[str, ...] = (), model: type[BaseModel] | None = None) -> str:

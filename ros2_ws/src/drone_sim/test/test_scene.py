@@ -17,14 +17,46 @@ cameras:
   chase: {parent: drone, pose: [-3, 0, 1], level: true}
 """
 
+LONG = "a" * 101
 BROKEN = [
-    ("mass: 1.4", "mass: -1.4", "objects.drone.mass: Input should be greater than 0, got '-1.4'"),
+    ("mass: 1.4", "mass: -1.4", "objects.drone.mass: Input should be greater than or equal to 0.000001, got '-1.4'"),
+    ("mass: 1.4", "mass: 1.0e-9", "objects.drone.mass: Input should be greater than or equal to 0.000001, got '1e-09'"),
+    ("mass: 1.4", "mass: 1.0e+12", "objects.drone.mass: Input should be less than or equal to 1"),
     ("mass: 1.4", "mass: .nan", "objects.drone.mass: Input should be a finite number, got 'nan'"),
     ("mass: 1.4", "mass: heavy", "objects.drone.mass: Input should be a valid number, got 'heavy'"),
     ("mass: 1.4", "mass: '1.4'", "objects.drone.mass: Input should be a valid number, got '1.4'"),
     ("mass: 1.4", "mas: 1.4", "objects.drone.mas: unknown key; allowed are collision, flight, friction"),
     ("mass: 1.4, ", "", "objects.drone: needs either 'mass' (it moves) or 'static: true' (it does not)"),
     ("flight: {}", "flight: {thrust: 1}", "objects.drone.flight.thrust: unknown key; allowed are cmd_vel, max_acc"),
+    ("flight: {}", "flight: {cmd_vel: fly me}", "objects.drone.flight.cmd_vel: String should match pattern"),
+    ("flight: {}", "flight: {cmd_vel: a//b}", "objects.drone.flight.cmd_vel: String should match pattern"),
+    ("flight: {}", "flight: {cmd_vel: a/0}", "objects.drone.flight.cmd_vel: String should match pattern"),
+    ("flight: {}", "flight: {cmd_vel: ''}", "objects.drone.flight.cmd_vel: String should match pattern"),
+    ("flight: {}}", "collision: {level: floor}}", "objects.drone.collision.level: a 'floor' does not move"),
+    ("version: 1", "version: 1\ncollision: {level: floor}", "objects.drone.collision.level: a 'floor' does not move"),
+    ("wall:", f"{LONG}:", f"objects.{LONG}_0.[key]: String should have at most 100 characters"),
+    ("chase:", f"{LONG}:", f"cameras.{LONG}.[key]: String should have at most 100 characters"),
+    ("cameras:", f"lights: {{{LONG}: {{}}}}\ncameras:", f"lights.{LONG}.[key]: String should have at most 100 char"),
+    ("drone: {m", "world: {m", "objects.world: everything stands in the frame 'world'"),
+    ("chase:", "world:", "cameras.world: everything stands in the frame 'world'"),
+    ("cameras:", "lights: {world: {}}\ncameras:", "lights.world: everything stands in the frame 'world'"),
+    ("chase:", "drone:", "cameras.drone: another frame is called 'drone'"),
+    ("rotor: {m", "chase_optical: {m", "cameras.chase: another frame is called 'chase_optical'"),
+    ("static: true, p", "static: true, pose: [0, 0, 0], p", "objects.wall: has both 'pose' and 'poses'"),
+    ("static: true, poses: [[1, 2, 0], [3, 4, 0, 0, 0, 1.5]]", "static: true, poses: []", "objects.wall.poses: needs"),
+    ("static: true, poses: [[1, 2, 0], [3, 4, 0, 0, 0, 1.5]]", "static: true, poses: 3", "objects.wall.poses: needs"),
+    ("rotor: {m", "wall_0: {m", "objects.wall_0: stands here twice, once among the poses of 'wall'"),
+    ("cameras:", "  wall_1: {model: wall, static: true}\ncameras:", "objects.wall_1: stands here twice, once among"),
+    ("version: 1", "version: 1\ndescription: 2024-13-45", "line 2: not a valid timestamp: '2024-13-45'"),
+    ("version: 1", "version: 1\nseed: " + "9" * 5000, "line 2: not a valid int: '999"),
+    ("version: 1", "version: 1\nseed: 0x" + "f" * 5000, "Exceeds the limit"),
+    ("version: 1", "version: 1\nseed: !!int ''", "line 2: not a valid int: ''"),
+    ("version: 1", "version: 1\nseed: !!bool maybe", "line 2: not a valid bool: 'maybe'"),
+    ("version: 1", "version: 1\nseed: 1" + ":0" * 300 + ".5", "line 2: not a valid float: '1:0"),
+    ("version: 1", "version: 1\n2024-12-25: 1", "keys must be str"),
+    ("version: 1", "version: 1\ndescription: \x01", "unacceptable character #x0001"),
+    ("version: 1", "version: 1\ndescription: " + "[" * 400 + "]" * 400, "line 2: nested in more than 32 levels"),
+    ("version: 1", "version: 1\ndescription: " + "[" * 200_000 + "]" * 200_000, "line 2: nested in more than 32"),
     ("parent: drone, rotor", "parent: plane, rotor", "objects.rotor.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: wall_0, rotor", "objects.rotor.rotor: 'wall_0' does not fly"),
     ("parent: drone, rotor", "parent: rotor, rotor", "objects.rotor.parent: is its own ancestor"),
@@ -36,7 +68,7 @@ BROKEN = [
     ("model: drone", "model: submarine", "objects.drone.model: no model 'submarine'; there are"),
     ("model: drone", "model: ../../secret", "objects.drone.model: '../../secret.obj' leads out of the models"),
     ("model: drone", "model: /etc/passwd", "objects.drone.model: '/etc/passwd.obj' leads out of the models"),
-    ("cameras:\n", "cameras: &a {}\nlights: *a\nrender:\n", "YAML aliases are not allowed ('*a')"),
+    ("cameras:\n", "cameras: &a {}\nlights: *a\nrender:\n", "line 8: YAML aliases are not allowed ('*a')"),
     ("objects:", "objects: [", "line "),
 ]
 
@@ -62,6 +94,16 @@ def test_a_broken_scene_is_refused_in_one_line(path: object, old: str, new: str,
         parse(GOOD.replace(old, new, 1), path)
     assert "\n" not in str(error.value)
     assert str(error.value).startswith(f"{path}: {message}")
+
+
+@pytest.mark.parametrize("topic", ["cmd_vel", "/cmd_vel", "ai_drone/cmd_vel", "/_A/b9"])
+def test_a_drone_listens_to_any_ros_topic(path: object, topic: str) -> None:
+    flight = parse(GOOD.replace("flight: {}", f"flight: {{cmd_vel: {topic}}}"), path).objects["drone"].flight
+    assert flight and flight.cmd_vel == topic
+
+
+def test_a_light_may_have_the_name_of_its_object(path: object) -> None:
+    assert "drone" in parse(GOOD.replace("cameras:", "lights: {drone: {parent: drone}}\ncameras:"), path).lights
 
 
 def test_an_unknown_effect_names_those_that_exist(path: object) -> None:
