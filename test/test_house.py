@@ -27,9 +27,14 @@ def test_style() -> None:
     run("ruff", "check", ".")
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", [*PACKAGES, "topic"])
 def test_types(package: str) -> None:
     run("mypy", "-p", package)
+
+
+@pytest.mark.parametrize("folder", ["ros2_ws", "bench"])
+def test_types_of_programs(folder: str) -> None:
+    run("mypy", *sorted(str(path.relative_to(ROOT)) for path in (ROOT / folder).glob("*.py")))
 
 
 def test_arrows_point_down() -> None:
@@ -43,6 +48,14 @@ def test_no_path_of_one_machine() -> None:
     found = [f"{path.relative_to(ROOT)}:{number}" for path in texts
              for number, line in enumerate(path.read_text().splitlines(), 1) if forbidden.search(line)]
     assert not found
+
+
+def test_every_link_leads_somewhere() -> None:
+    target = re.compile(r"""\]\(([^)\s#]+)|(?:src|href)="([^"#]+)""")
+    broken = [f"{path.relative_to(ROOT)}: {link}" for path in tracked("README.md", "CONTRIBUTING.md", "docs/*.md")
+              for link in map("".join, target.findall(path.read_text()))
+              if "://" not in link and not (path.parent / link).exists()]
+    assert not broken
 
 
 def test_every_requirement_is_pinned_and_has_its_reason() -> None:

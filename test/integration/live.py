@@ -23,13 +23,15 @@ from rclpy.qos import QoSProfile
 
 T = TypeVar("T")
 
+PR_SET_PDEATHSIG = 1  # of linux/prctl.h
+prctl = ctypes.CDLL(None).prctl  # looked up here: a fork of many threads must take no lock
+
 DEADLINE = 60.0  # s; only a test that fails waits so long. The first start on a machine compiles kernels
 
 
 def _die_with_the_test() -> None:
     """Else a test that is killed leaves nodes behind, and they talk to the next one's."""
-    PR_SET_PDEATHSIG = 1  # noqa: N806 - the name in linux/prctl.h
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class NodeProcess:

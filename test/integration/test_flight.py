@@ -4,16 +4,25 @@ import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from drone_interfaces.msg import CollisionEvent, CollisionEvents
-from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, Vector3
 from live import Graph, Spawn
 from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from tf2_msgs.msg import TFMessage
 
+from drone_sim import scene as scenes
+from drone_sim.collision.contacts import axes_of
+from drone_sim.mesh import bounds
+
+DEEPEST = 0.005  # m that a drone may get into a wall
 MEADOW = Path(__file__).with_name("meadow.yaml")
 FORWARD = Twist(linear=Vector3(x=3.0))
 FAST = Twist(linear=Vector3(x=6.0))
 UP = Twist(linear=Vector3(z=2.0))
+KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BACK = Twist(linear=Vector3(x=-2.0))
 
 
@@ -123,17 +132,46 @@ def test_pushes_the_television_and_is_pushed_back(
     assert away > 0.9  # the normal points at the television
 
 
+def furthest_x(message: Odometry, low: np.ndarray, high: np.ndarray) -> float:
+    """The greatest x in the world of a box with the corners low and high in the frame of the message's body, m."""
+    position, turn = message.pose.pose.position, message.pose.pose.orientation
+    axes = np.empty((1, 3, 3))
+    axes_of(np.array([[turn.x, turn.y, turn.z, turn.w]]), axes)  # type: ignore[no-untyped-call]
+    x = axes[0, :, 0]
+    return float(position.x + x @ (low + high) / 2 + np.abs(x) @ (high - low) / 2)
+
+
 def test_a_building_stops_the_drone(
     graph: Graph,
     odometry: Callable[[str], list[Odometry]],
     meetings: Callable[[str, str], Iterator[CollisionEvent]],
 ) -> None:
-    flown = odometry("rammer")
+    flown, moving = odometry("rammer"), graph.listen(TFMessage, "tf")
+
+    def stands() -> TransformStamped:
+        """The transform of the barn, as whoever joins now is told."""
+        heard = graph.listen(TFMessage, "tf_static", KEPT)
+        graph.wait_for(lambda: heard, "what does not move")
+        (found,) = (each for message in heard for each in message.transforms if each.child_frame_id == "barn")
+        return found
+
+    start = stands()
     commands = graph.publisher(Twist, "rammer/cmd_vel")
     with graph.repeating(commands, FORWARD):
         graph.wait_for(lambda: list(meetings("rammer", "barn")), "the drone to meet the barn")
         met = next(meetings("rammer", "barn"))
         time_met = stamp(flown[-1])
         graph.wait_for(lambda: stamp(flown[-1]) > time_met + 1.0, "a second of pushing")
-    assert met.point.x > 1.0
-    assert all(message.pose.pose.position.x < met.point.x for message in flown)
+    scene = scenes.load(MEADOW)
+    drone, barn = (bounds(scene.model_path(name)) for name in ("rammer", "barn"))
+    wall = start.transform.translation.x + barn[0][0]
+    assert met.point.x == pytest.approx(wall, abs=0.1)  # known a step ahead, at 3 m/s and 30 Hz
+    assert max(furthest_x(message, *drone) for message in flown) == pytest.approx(wall, abs=DEEPEST)
+
+    assert stands().transform == start.transform
+    moved = {each.child_frame_id for message in moving for each in message.transforms}
+    assert "rammer" in moved
+    assert "barn" not in moved
+    topics = dict(graph.node.get_topic_names_and_types())
+    assert "/rammer/odom" in topics
+    assert "/barn/pose" not in topics

@@ -50,7 +50,7 @@ class RenderNode(Node):
         self._film_path = self._text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
         self._film_rate = self.declare_parameter(
             "film_rate", 30,
-            ParameterDescriptor(description="pictures per simulated second of the film",
+            ParameterDescriptor(description="pictures per simulated second of the film", read_only=True,
                                 integer_range=[IntegerRange(from_value=1, to_value=240, step=1)]),
         ).get_parameter_value().integer_value  # fmt: skip
         self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
@@ -82,7 +82,8 @@ class RenderNode(Node):
         self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _text(self, name: str, default: str, description: str) -> str:
-        return str(self.declare_parameter(name, default, ParameterDescriptor(description=description)).value)
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        return str(self.declare_parameter(name, default, descriptor).value)
 
     # What ROS brings, in its own thread.
 

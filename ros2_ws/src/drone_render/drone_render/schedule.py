@@ -42,11 +42,11 @@ class Schedule:
     def push(self, stamp: int, children: Sequence[str], poses: Array, now: float) -> None:
         """Takes the poses of objects at `stamp` in ns, which arrived at the wall time `now` in s."""
         states = self.history.push(stamp, children, poses)
+        if states is None:
+            return
         if self._arrived is not None and now - self._arrived < PAUSE:
             self._pace += 0.1 * (now - self._arrived - self._pace)
         self._arrived = now
-        if states is None:
-            return
         before, after = states
         live = set(self._live.due(before.stamp, after.stamp))
         film = set() if self._film is None else set(self._film.due(before.stamp, after.stamp))

@@ -57,6 +57,21 @@ def test_pictures_are_spread_over_the_time_between_two_states() -> None:
     assert schedule.pop(2 / 30 + 1 / 60 + 1e-9) is not None
 
 
+def test_transforms_of_what_is_not_drawn_do_not_set_the_pace() -> None:
+    """The node hears its own turning cameras, too."""
+    schedule = Schedule(NAMES, START, 30, 60)
+    for n in range(1, 61):
+        schedule.push(round(n * SECOND / 30), ["drone"], poses(0), n / 30)
+        for k in (0.2, 0.4, 0.6):
+            schedule.push(round(n * SECOND / 30), ["chase"], poses(0), (n + k) / 30)
+        while n < 60 and schedule.pop(np.inf):
+            pass
+    first, second = schedule.pop(np.inf), schedule.pop(np.inf)
+    assert first is not None and second is not None
+    assert first.moment.after is second.moment.after
+    assert second.at - first.at == pytest.approx(0.5 / 30)
+
+
 def test_live_pictures_that_are_late_are_dropped_and_counted() -> None:
     schedule, drawn = run(30, 60, None, 60, slow=0.05)
     assert schedule.dropped > 30
