@@ -43,10 +43,12 @@ class _StrictLoader(yaml.CSafeLoader):
     """PyYAML keeps the last of two equal keys without a word; here that is an error, as is every bad scalar."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        seen: set[str] = set()
         for key, _ in node.value:
-            if isinstance(key, yaml.ScalarNode) and keys.count(key.value) > 1:
-                raise _error(f"'{key.value}' stands here twice", key.start_mark)
+            if isinstance(key, yaml.ScalarNode):
+                if key.value in seen:
+                    raise _error(f"'{key.value}' stands here twice", key.start_mark)
+                seen.add(key.value)
         return super().construct_mapping(node, deep)
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:

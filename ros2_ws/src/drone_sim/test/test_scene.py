@@ -64,7 +64,7 @@ BROKEN = [
     ("version: 1", "version: 2", "version: Input should be 1, got '2'"),
     ("version: 1\n", "", "version: Field required"),
     ("version: 1", "version: 1\nname: mine", "name: is not for the file to say"),
-    ("cameras:", "objects:", "line 3: 'objects' stands here twice"),
+    ("cameras:", "objects:", "line 7: 'objects' stands here twice"),
     ("model: drone", "model: submarine", "objects.drone.model: no model 'submarine'; there are"),
     ("model: drone", "model: ../../secret", "objects.drone.model: '../../secret.obj' leads out of the models"),
     ("model: drone", "model: /etc/passwd", "objects.drone.model: '/etc/passwd.obj' leads out of the models"),
