@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from drone_render.view import Array, interpolate
+from drone_sim.cdr import SECOND
 
-SECOND = 1_000_000_000  # ns
 LEAP = 60 * SECOND  # ns; what is further apart is another run, not a state that got lost
 SLACK = 1_000  # ns; a stamp that was rounded to ns is still on time
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from drone_render.view import Array, intrinsics
-from drone_sim.cdr import Layout, Message
+from drone_sim import layouts
+from drone_sim.cdr import SECOND, Layout, Message
 from drone_sim.scene import Camera
 
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
-SECOND = 1_000_000_000  # ns
 
 
 class Picture:
@@ -52,10 +52,7 @@ def camera_info(camera: Camera, frame: str) -> Message:
 
 def transforms(links: Sequence[tuple[str, str, Array]]) -> Message:
     """A tf2_msgs/TFMessage of (parent, child, pose (7,)); stamp and 'pose' (n, 7) can be set again."""
-    layout = Layout().uint32(len(links))
-    for parent, child, _ in links:
-        layout.header(parent).string(child).float64("pose", 7)
-    message = layout.message()
+    message = layouts.transforms([parent for parent, _, _ in links], [child for _, child, _ in links])
     if links:
         message.write("pose", np.array([pose for _, _, pose in links]))
     return message

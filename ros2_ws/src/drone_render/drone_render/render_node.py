@@ -25,14 +25,13 @@ from tf2_msgs.msg import TFMessage
 
 from drone_render import context
 from drone_render.film import Film, FilmError
-from drone_render.history import SECOND
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.schedule import Due, Schedule
 from drone_render.shutter import Request, Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
-from drone_sim.cdr import Transforms, read_transforms
+from drone_sim.cdr import SECOND, Transforms, read_transforms
 from drone_sim.process import ENDS
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from drone_render.history import SECOND, History, Timetable
+from drone_render.history import History, Timetable
 from drone_render.schedule import Due, Schedule
 from drone_render.view import ORIGIN
+from drone_sim.cdr import SECOND
 
 START = np.array([ORIGIN, ORIGIN])
 NAMES = ("drone", "tree")
