@@ -26,7 +26,7 @@ T = TypeVar("T")
 PR_SET_PDEATHSIG = 1  # of linux/prctl.h
 prctl = ctypes.CDLL(None).prctl  # looked up here: a fork of many threads must take no lock
 
-DEADLINE = 60.0  # s; only a test that fails waits so long. The first start on a machine compiles kernels
+DEADLINE = 120.0  # s; only a test that fails waits so long. The first start on a machine compiles kernels
 
 
 def _die_with_the_test() -> None:
