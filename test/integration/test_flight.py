@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,28 +32,23 @@ def sim(spawn: Spawn) -> None:
     spawn("drone_sim.sim_node", scene=MEADOW)
 
 
+def listen(graph: Graph, kind: type[Any], topic: str) -> list[Any]:
+    """What is said on a topic from now on; waits for the first word."""
+    heard = graph.listen(kind, topic)
+    graph.wait_for(lambda: heard, f"a word on {topic}")
+    return heard
+
+
 @pytest.fixture
 def odometry(graph: Graph) -> Callable[[str], list[Odometry]]:
-    """What a drone says about itself; waits for its first word."""
-
-    def listen(drone: str) -> list[Odometry]:
-        heard = graph.listen(Odometry, f"{drone}/odom")
-        graph.wait_for(lambda: heard, f"odometry of {drone}")
-        return heard
-
-    return listen
+    """What a drone says about itself."""
+    return lambda drone: listen(graph, Odometry, f"{drone}/odom")
 
 
 @pytest.fixture
 def poses(graph: Graph) -> Callable[[str], list[PoseStamped]]:
-    """The poses of an object; waits for the first."""
-
-    def listen(name: str) -> list[PoseStamped]:
-        heard = graph.listen(PoseStamped, f"{name}/pose")
-        graph.wait_for(lambda: heard, f"pose of {name}")
-        return heard
-
-    return listen
+    """The poses of an object."""
+    return lambda name: listen(graph, PoseStamped, f"{name}/pose")
 
 
 def stamp(message: Odometry) -> float:

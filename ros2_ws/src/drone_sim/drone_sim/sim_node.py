@@ -1,6 +1,5 @@
 """The node around the world: commands in, poses and events out, time kept."""
 
-import math
 import sys
 
 import rclpy
@@ -49,7 +48,7 @@ class SimNode(Node):
         self._finished = finished
         self._factor = self._number("rtf", 1.0, 1000.0, "simulated s per wall s; 0: as fast as it can")
         self._duration = self._number("duration", 0.0, 1e9, "simulated s after which the node ends; 0: never")
-        self._scene_name = str(self.declare_parameter("scene", "island", ParameterDescriptor(
+        scene = str(self.declare_parameter("scene", "island", ParameterDescriptor(
             description="a scene among the assets, by name, or a scene file", read_only=True)).value)
         self._awaited = int(self.declare_parameter("listeners", 0, ParameterDescriptor(
             description="subscribers of tf without which time does not start, so that they miss nothing",
@@ -71,7 +70,7 @@ class SimNode(Node):
                                       (SetSimulationState, "set_simulation_state", self._on_set_state),
                                       (StepSimulation, "step_simulation", self._on_step)):
             self.create_service(service, name, answer)
-        self._run(self._build(self._scene_name))
+        self._run(self._build(scene))
         self.create_timer(1.0, self._report, clock=self._wall)
 
     def _number(self, name: str, default: float, most: float, description: str) -> float:
@@ -174,10 +173,9 @@ class SimNode(Node):
     # Commands
 
     def _on_command(self, drone: str, twist: Twist) -> None:
-        command = (twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.z)
-        if all(map(math.isfinite, command)):
-            self._world.command(drone, command)
-        else:
+        try:
+            self._world.command(drone, (twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.z))
+        except ValueError:
             self._rejected += 1
             topic = self._world.scene.objects[drone].flight.cmd_vel  # type: ignore[union-attr]
             self.get_logger().warning(f"{topic}: rejected a Twist with NaN or infinite numbers",
@@ -235,7 +233,9 @@ class SimNode(Node):
             if wanted == SimulationState.STATE_STOPPED:
                 self._world.reset()
                 self._publish()
-            self._restart_clock()
+                self._restart_clock()
+            elif self._pacer:
+                self._pacer.restart()
             response.result = Result(result=Result.RESULT_OK)
         else:
             response.result = Result(result=SetSimulationState.Response.INCORRECT_TRANSITION,

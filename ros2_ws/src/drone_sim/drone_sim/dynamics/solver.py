@@ -63,8 +63,8 @@ def _effective_mass(inverse_mass, tensor, a, b, ra, rb, x, y, z):
 
 
 @kernel
-def prepare(count, pair, points, normal, point, position, orientation, velocity, angular, inverse_mass, tensor,
-            anchor, frame, mass, speed):
+def prepare(count, pair, points, normal, point, position, velocity, angular, inverse_mass, tensor, anchor, frame,
+            mass, speed):
     """For every contact point writes its anchors on a and b (2 vectors, world), their effective masses along the
     normal and two tangents, and the speed at which they part. For every manifold: frame, rows normal and tangents."""
     for i in range(count):
@@ -241,7 +241,7 @@ class Motion:
             self._grow(m.capacity)
         inverse_inertia(s.orientation_w, bodies.inertia_b, bodies.inverse_mass, self._tensor)
         moving = (s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, self._tensor)
-        prepare(m.count, m.pair, m.points, m.normal_w, m.point_w, s.position_w, s.orientation_w, *moving,
+        prepare(m.count, m.pair, m.points, m.normal_w, m.point_w, s.position_w, *moving,
                 self._anchor, self._frame, self._mass, self._speed)
         m.total[: m.count] = 0.0
         self._start[:] = s.position_w
