@@ -21,7 +21,7 @@ def sign_of(value: Fraction) -> int:
 
 @settings(max_examples=500, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from([1, -1]), anything, anything, anything, anything), max_size=8))
-def test_a_sum_of_products_has_the_sign_of_exact_arithmetic(terms: list[tuple[int, float, float, float, float]]) -> None:
+def test_a_sum_of_products_has_its_exact_sign(terms: list[tuple[int, float, float, float, float]]) -> None:
     acc = exact.zeros()
     total = Fraction(0)
     for sign, *factors in terms:

@@ -96,7 +96,7 @@ def add_det(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
 
 @kernel
 def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """The sign of det[b - a, c - a, d - a]: 1 where d sees a, b, c turn counter-clockwise, 0 where the four are coplanar."""
+    """The sign of det[b - a, c - a, d - a]: 1 where d sees a, b, c turn counter-clockwise, 0: coplanar."""
     acc = zeros()
     add_det(acc, 1, 1.0, bx, by, bz, cx, cy, cz, dx, dy, dz)
     add_det(acc, -1, 1.0, ax, ay, az, cx, cy, cz, dx, dy, dz)
