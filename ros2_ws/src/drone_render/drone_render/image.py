@@ -8,7 +8,7 @@ import numpy as np
 from drone_render.view import Array, intrinsics
 from drone_sim import layouts
 from drone_sim.cdr import SECOND, Layout, Message
-from drone_sim.scene import Camera
+from drone_sim.look import Camera
 
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
 

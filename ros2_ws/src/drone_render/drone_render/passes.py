@@ -12,8 +12,8 @@ from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.view import Array
 from drone_sim.assets import asset_path
+from drone_sim.look import Render, Sky, Water
 from drone_sim.mesh import Model, Part
-from drone_sim.scene import Render, Sky, Water
 
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m

@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 from drone_render import view
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import Array
-from drone_sim.scene import Camera
+from drone_sim.look import Camera
 
 
 @dataclass

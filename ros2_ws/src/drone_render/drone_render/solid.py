@@ -16,8 +16,8 @@ from drone_render.hierarchy import LIGHTS, Lighting
 from drone_render.passes import Frame
 from drone_render.shaders import Variant
 from drone_render.view import Array
+from drone_sim.look import Render
 from drone_sim.mesh import Material, Model, Part
-from drone_sim.scene import Render
 
 FAINT = 0.1  # a highlight that reflects less is not seen, so it is not computed
 

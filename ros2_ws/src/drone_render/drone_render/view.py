@@ -9,7 +9,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from drone_sim.scene import Camera, Pose
+from drone_sim.look import Camera
+from drone_sim.strict import Pose
 
 Array = npt.NDArray[np.float64]
 

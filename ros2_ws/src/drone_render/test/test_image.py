@@ -7,7 +7,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import OPTICAL, intrinsics
 from drone_sim.cdr import read_transforms
-from drone_sim.scene import Camera
+from drone_sim.look import Camera
 
 STAMP = 12_000_000_345  # ns
 

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drone_render import view
-from drone_sim.scene import ORIGIN, Camera, Orbit
+from drone_sim.look import Camera, Orbit
+from drone_sim.strict import ORIGIN
 
 ANGLE = st.floats(-3.0, 3.0)
 UNIT = np.eye(4)

@@ -81,21 +81,39 @@ def load(path: Path) -> Model:
     Raises MeshError for what has no faces or no finite shape. A missing MTL or texture is a warning, and the
     model comes without it.
     """
-    import trimesh  # takes longer to import than all the rest, and the physics often needs `bounds` alone
-
     text = _text(path)
     materials = _materials(path, text)
+    has_normals = "\nvn " in text
+    parts = [_part(path, mesh, has_normals, materials) for mesh in _meshes(path, text)]
+    low, high = bounds(path)
+    return Model(path, tuple(parts), low, high)
+
+
+@cache
+def surface(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """A model's shape alone: vertices (v, 3) float64 in m, each place once, and triangles (f, 3), counter-clockwise
+    seen from outside. Raises MeshError."""
+    meshes = _meshes(path, _text(path))
+    corners = np.concatenate([np.asarray(mesh.vertices, np.float64)[mesh.faces].reshape(-1, 3) for mesh in meshes])
+    _check_vertices(path, corners)
+    vertices, index = np.unique(corners, axis=0, return_inverse=True)
+    faces = index.reshape(-1, 3).astype(np.int64)
+    vertices.flags.writeable = faces.flags.writeable = False
+    return vertices, faces
+
+
+def _meshes(path: Path, text: str) -> "list[trimesh.Trimesh]":
+    """The triangles of each material, as trimesh reads them."""
+    import trimesh  # takes longer to import than all the rest, and the physics often needs `bounds` alone
+
     try:
         loaded = trimesh.load_scene(io.StringIO(text), "obj", resolver=_Names(text), process=False)
     except Exception as error:  # the loader has no exception of its own
         raise MeshError(f"{path}: not readable as OBJ: {str(error).splitlines()[0]}") from None
-    has_normals = "\nvn " in text
     meshes = [mesh for mesh in loaded.geometry.values() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
-    parts = [_part(path, mesh, has_normals, materials) for mesh in meshes]
-    if not parts:
+    if not meshes:
         raise MeshError(f"{path}: has no faces")
-    low, high = bounds(path)
-    return Model(path, tuple(parts), low, high)
+    return meshes
 
 
 def _text(path: Path) -> str:

@@ -6,15 +6,22 @@ point, whose motion is simulated, is the centre of its box, taken as its centre 
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.rotation import from_rpy, rotate_all
-from drone_sim.scene import Object, Pose, Scene, SceneError
+from drone_sim.scene import MeetingLevel, Object, Scene, SceneError
+from drone_sim.strict import Pose
 
 SPHERE, OBB, OCTREE, TRIANGLE = range(4)  # collision levels, as drone_interfaces/CollisionEvent numbers them
+NOT_AT_ALL, UNSAID = -1, -2  # instead of a level: the two pass through each other; somebody else decides
+LEVELS = {"none": NOT_AT_ALL, "sphere": SPHERE, "obb": OBB, "octree": OCTREE, "triangle": TRIANGLE}
+MEETING = get_args(MeetingLevel)
 THINNEST, THICKEST = 1e-6, 1e6  # m; sides of what moves, so that its inertia is neither zero nor infinite
 
 
@@ -45,6 +52,17 @@ class Floor:
 
     body: int
     height: float  # m
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """How finely bodies meet: a pair's own word, else the finer of the two bodies', else the scene's."""
+
+    level: int
+    all_contacts: int  # 1, or 0: the deepest point alone
+    own_level: Integers  # (n,) or UNSAID
+    own_contacts: Integers  # (n,) 1, 0 or UNSAID
+    pairs: dict[tuple[int, int], tuple[int, int]]  # bodies a < b: level or NOT_AT_ALL; 1, 0 or UNSAID
 
 
 @dataclass(frozen=True)
@@ -82,6 +100,8 @@ class Model:
     """A scene in arrays."""
 
     bodies: Bodies
+    paths: tuple[Path, ...]  # (n,) of the bodies' models
+    meeting: Meeting
     floors: tuple[Floor, ...]
     drones: Drones
     rotors: Rotors
@@ -91,7 +111,7 @@ class Model:
 def build(scene: Scene) -> Model:
     """Reads the models that the scene names. Raises mesh.MeshError, and SceneError for what moves but is flat."""
     objects = scene.objects
-    level = {name: (thing.collision or scene.collision).level for name, thing in objects.items()}
+    level = {name: scene.level(name) for name in objects}
     body_names = [name for name, thing in objects.items()
                   if thing.parent is None and (not thing.static or level[name] != "none")]
     drone_names = [name for name in body_names if objects[name].flight]
@@ -99,6 +119,8 @@ def build(scene: Scene) -> Model:
     fixed_names = [name for name, thing in objects.items() if thing.static or (thing.parent and not thing.rotor)]
     return Model(
         bodies=_bodies(scene, body_names, level),
+        paths=tuple(scene.model_path(name) for name in body_names),
+        meeting=_meeting(scene, body_names),
         floors=tuple(Floor(i, objects[name].pose[2]) for i, name in enumerate(body_names) if level[name] == "floor"),
         drones=_drones(objects, body_names, drone_names),
         rotors=Rotors(
@@ -133,7 +155,7 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
     return Bodies(
         names=tuple(names),
         movable=movable,
-        solid=np.array([level[name] == "obb" for name in names], bool),
+        solid=np.array([level[name] in MEETING for name in names], bool),
         half=half,
         centre_b=centre_b,
         mass=mass,
@@ -143,6 +165,28 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
         restitution=np.array([thing.restitution for thing in things]),
         start_w=start_w,
     )
+
+
+def _meeting(scene: Scene, names: list[str]) -> Meeting:
+    index = {name: i for i, name in enumerate(names)}
+    words = [scene.objects[name].collision for name in names]
+    pairs = {}
+    for pair in scene.collision.pairs:
+        for first, second in product(*(scene.named(name) for name in pair.between)):
+            if first in index and second in index and first != second:
+                a, b = sorted((index[first], index[second]))
+                pairs[a, b] = LEVELS[pair.level], _contacts(pair.contacts)
+    return Meeting(
+        level=LEVELS.get(scene.collision.level, OBB),
+        all_contacts=_contacts(scene.collision.contacts),
+        own_level=np.array([LEVELS.get(word.level or "", UNSAID) for word in words], np.int64),
+        own_contacts=np.array([_contacts(word.contacts) for word in words], np.int64),
+        pairs=pairs,
+    )
+
+
+def _contacts(word: str | None) -> int:
+    return UNSAID if word is None else int(word == "all")
 
 
 def _drones(objects: dict[str, Object], body_names: list[str], names: list[str]) -> Drones:

@@ -6,36 +6,22 @@ Effects stay as the scene words them: each effect validates its own parameters (
 """
 
 import hashlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, model_validator
+from pydantic import Field, PositiveFloat, ValidationError, model_validator
 
 from drone_sim.assets import asset_path
+from drone_sim.look import Camera, Light, Render
 from drone_sim.scene_text import as_json
+from drone_sim.strict import ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector, first_error
 
 FILE_SIZE_LIMIT = 1 << 20  # bytes; a scene is text that a person wrote
 
-Vector = tuple[float, float, float]
-Unit = Annotated[float, Field(ge=0.0, le=1.0)]
-Colour = tuple[Unit, Unit, Unit]
-Rate = Annotated[float, Field(gt=0.0, le=10_000.0)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
-Topic = Annotated[str, Field(pattern=r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
-Mass = Annotated[float, Field(ge=1e-6, le=1e9)]  # kg
-Pose = tuple[float, float, float, float, float, float]
-ORIGIN: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 class SceneError(ValueError):
     """What is wrong with a scene, in one line: the file, the key, what was expected."""
-
-
-class Strict(BaseModel):
-    """Unknown keys, strings for numbers and non-finite numbers are errors; nothing changes after loading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Rates(Strict):
@@ -45,10 +31,32 @@ class Rates(Strict):
     draw: Rate = 60.0
 
 
+Contacts = Literal["first", "all"]
+MeetingLevel = Literal["sphere", "obb", "octree", "triangle"]  # each refines the one before
+Level = Literal["none", "floor", MeetingLevel]
+
+
+class Pair(Strict):
+    """How two objects meet, whatever the scene and they themselves say; 'none': not at all."""
+
+    between: tuple[Name, Name]  # a group's name stands for all of it
+    level: Literal["none", MeetingLevel]
+    contacts: Contacts | None = None
+
+
 class Collision(Strict):
     """How contacts are found. Level 'none' is for what touches nothing, 'floor' for a horizontal plane."""
 
-    level: Literal["none", "floor", "obb"] = "obb"
+    level: Level = "obb"
+    contacts: Contacts = "all"  # 'first': the deepest point of a pair alone
+    pairs: tuple[Pair, ...] = ()
+
+
+class OwnCollision(Strict):
+    """What an object says of itself: the finer of two objects' words decides, the scene's where both are silent."""
+
+    level: Level | None = None
+    contacts: Contacts | None = None
 
 
 class Dynamics(Strict):
@@ -93,7 +101,7 @@ class Object(Strict):
     mass: Mass | None = None
     friction: Annotated[float, Field(ge=0.0)] = 0.6
     restitution: Unit = 0.2
-    collision: Collision | None = None  # the scene's, if not given
+    collision: OwnCollision = OwnCollision()
     flight: Flight | None = None
     rotor: Rotor | None = None
     patrol: Patrol | None = None
@@ -103,7 +111,8 @@ class Object(Strict):
     def _one_kind(self) -> Self:
         if self.parent is None and self.static == (self.mass is not None):
             raise ValueError("needs either 'mass' (it moves) or 'static: true' (it does not)")
-        if self.parent is not None and (self.static or self.mass is not None or self.collision or self.flight):
+        if self.parent is not None and (self.static or self.mass is not None or "collision" in self.model_fields_set
+                                        or self.flight):
             raise ValueError("has a 'parent', so 'static', 'mass', 'collision' and 'flight' belong there")
         if self.flight and self.static:
             raise ValueError("'flight' needs an object that moves")
@@ -112,78 +121,6 @@ class Object(Strict):
         if self.rotor and self.parent is None:
             raise ValueError("'rotor' needs a 'parent' that flies")
         return self
-
-
-class Light(Strict):
-    """A point light. It shines on everything around it but its own parent."""
-
-    parent: Name | None = None
-    pose: Pose = ORIGIN
-    colour: Colour = (1.0, 1.0, 1.0)
-    intensity: PositiveFloat = 1.0
-    reach: PositiveFloat | None = None  # m at which half of it is left; without it, distance does not weaken it
-
-
-class Orbit(Strict):
-    """A circle around the parent, or around the pose where there is none, looking at its centre."""
-
-    radius: PositiveFloat
-    height: float
-    period: PositiveFloat  # s
-
-
-class Camera(Strict):
-    """A pinhole camera. Its picture is <name>'s; its optical frame is <name>_optical."""
-
-    parent: Name | None = None
-    pose: Pose = ORIGIN
-    size: tuple[int, int] = (640, 480)  # pixels
-    fov: Annotated[float, Field(gt=0.05, lt=3.0)] = 1.2  # rad, horizontal
-    near: PositiveFloat = 0.05  # m
-    far: PositiveFloat = 1000.0  # m
-    level: bool = False  # takes the parent's position and heading only, not its tilt
-    look_at: Name | None = None  # turns towards this object
-    orbit: Orbit | None = None
-
-    @model_validator(mode="after")
-    def _drawable(self) -> Self:
-        if not all(16 <= side <= 4096 for side in self.size):
-            raise ValueError("'size' needs two numbers of pixels from 16 to 4096")
-        if self.near >= self.far:
-            raise ValueError("'near' must be less than 'far'")
-        return self
-
-
-class Sky(Strict):
-    """What is seen where nothing stands: colours from the horizon up, and clouds that drift."""
-
-    horizon: Colour = (0.76, 0.86, 0.94)
-    zenith: Colour = (0.22, 0.45, 0.78)
-    clouds: str | None = None  # a texture; its alpha is the cover
-    drift: tuple[float, float] = (0.004, 0.001)  # of the texture per s
-
-
-class Water(Strict):
-    """How objects with 'shading: water' look."""
-
-    deep: Colour = (0.02, 0.16, 0.24)
-    shallow: Colour = (0.10, 0.45, 0.48)
-    wave_height: Unit = 0.15  # of the wave's length
-    wave_speed: float = 1.0
-
-
-class Render(Strict):
-    """What the picture is made of; what is not named is not in any shader."""
-
-    ambient: Colour = (0.30, 0.34, 0.40)
-    sky: Sky | None = None
-    water: Water | None = None
-    normal_mapping: dict[str, None] | None = None
-    specular: dict[str, None] | None = None
-
-    def features(self) -> list[str]:
-        """Names of what the scene calls for."""
-        return [name for name in ("sky", "water", "normal_mapping", "specular") if getattr(self, name) is not None]
 
 
 class Scene(Strict):
@@ -198,11 +135,11 @@ class Scene(Strict):
     rates: Rates = Rates()
     collision: Collision = Collision()
     dynamics: Dynamics = Dynamics()
-    effects: dict[Name, dict[str, Any]] = {}
+    effects: dict[Name, dict[str, Any]] = Field(default_factory=dict)
     render: Render = Render()
     objects: dict[Name, Object]
-    lights: dict[Name, Light] = {}
-    cameras: dict[Name, Camera] = {}
+    lights: dict[Name, Light] = Field(default_factory=dict)
+    cameras: dict[Name, Camera] = Field(default_factory=dict)
 
     name: str = "scene"
     path: Path = Path("scene.yaml")
@@ -224,7 +161,7 @@ class Scene(Strict):
     @model_validator(mode="after")
     def _floors(self) -> Self:
         for name, thing in self.objects.items():
-            if thing.mass is not None and (thing.collision or self.collision).level == "floor":
+            if thing.mass is not None and self.level(name) == "floor":
                 raise ValueError(f"objects.{name}.collision.level: a 'floor' does not move, so it has no 'mass'")
         return self
 
@@ -245,6 +182,23 @@ class Scene(Strict):
             if self.objects[name].rotor and not thing.flight:
                 raise ValueError(f"objects.{name}.rotor: '{self.objects[name].parent}' does not fly")
         return self
+
+    @model_validator(mode="after")
+    def _pairs(self) -> Self:
+        for i, pair in enumerate(self.collision.pairs):
+            for name in pair.between:
+                if not self.named(name):
+                    raise ValueError(f"collision.pairs.{i}.between: no object is called '{name}'")
+        return self
+
+    def level(self, name: str) -> Level:
+        """The collision level of an object, its own or the scene's."""
+        return self.objects[name].collision.level or self.collision.level
+
+    def named(self, name: str) -> list[str]:
+        """The object of that name, or the objects of the group."""
+        group = re.compile(rf"{re.escape(name)}_\d+")
+        return [name] if name in self.objects else [other for other in self.objects if group.fullmatch(other)]
 
     def _things(self) -> Iterator[tuple[str, Object | Light | Camera]]:
         for kind in ("objects", "lights", "cameras"):
@@ -280,7 +234,7 @@ def parse(text: bytes | str, path: Path) -> Scene:
     try:
         scene = Scene.model_validate_json(as_json(text), strict=True)
     except ValidationError as error:
-        raise SceneError(f"{path}: {first_error(error)}") from None
+        raise SceneError(f"{path}: {first_error(error, Scene)}") from None
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from None
     if written := {"name", "path", "hash"} & scene.model_fields_set:
@@ -293,31 +247,3 @@ def parse(text: bytes | str, path: Path) -> Scene:
         except (OSError, ValueError) as error:
             raise SceneError(f"{path}: objects.{name}.model: {error}") from None
     return scene.model_copy(update={"hash": digest.hexdigest()})
-
-
-def first_error(error: ValidationError, prefix: tuple[str, ...] = (), model: type[BaseModel] | None = None) -> str:
-    """The first thing that is wrong, in one line: its key, and what was expected."""
-    first = error.errors(include_url=False)[0]
-    loc = (*prefix, *first["loc"])
-    message = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "extra_forbidden":
-        message = "unknown key"
-        if model := model or _model_at(loc[:-1]):
-            message += "; allowed are " + (", ".join(sorted(model.model_fields)) or "none")
-    elif first["type"] not in ("value_error", "missing"):
-        message += f", got {str(first['input'])[:60]!r}"
-    key = ".".join(str(part) for part in loc)
-    return f"{key}: {message}" if key else message
-
-
-def _model_at(loc: tuple[int | str, ...]) -> type[BaseModel] | None:
-    """The part of the scene that a key path stands in."""
-    kinds: dict[str, type[BaseModel]] = {
-        "rates": Rates, "collision": Collision, "dynamics": Dynamics, "render": Render, "flight": Flight,
-        "rotor": Rotor, "patrol": Patrol, "orbit": Orbit, "sky": Sky, "water": Water}
-    named: dict[str, type[BaseModel]] = {"objects": Object, "lights": Light, "cameras": Camera}
-    if not loc:
-        return Scene
-    if len(loc) == 2 and loc[0] in named:
-        return named[str(loc[0])]
-    return kinds.get(str(loc[-1]))

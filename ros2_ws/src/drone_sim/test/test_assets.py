@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 from drone_sim import mesh
-from drone_sim.scene import Object, Scene, load
+from drone_sim.scene import Scene, load
 
 ASSETS = Path(__file__).resolve().parents[2] / "drone_assets"
 SCENES = sorted(path.stem for path in (ASSETS / "scenes").glob("*.yaml"))
@@ -53,13 +53,9 @@ def distance(box: Box, points: Array) -> Array:
     return np.asarray(np.linalg.norm(np.maximum(np.abs((points - centre) @ axes) - half, 0), axis=1))
 
 
-def level(scene: Scene, thing: Object) -> str:
-    return (thing.collision or scene.collision).level
-
-
 def solid(scene: Scene) -> dict[str, Box]:
     """The boxes of everything that can be hit at its sides."""
-    names = [name for name, thing in scene.objects.items() if thing.parent is None and level(scene, thing) == "obb"]
+    names = [name for name, thing in scene.objects.items() if thing.parent is None and scene.level(name) == "obb"]
     return {name: box_of(scene, name) for name in names}
 
 
@@ -69,7 +65,7 @@ def test_scene_is_whole(name: str) -> None:
     assert scene.cameras
     assert scene.lights
     assert "user_drone" in scene.objects
-    assert any(level(scene, thing) == "floor" for thing in scene.objects.values())
+    assert any(scene.level(name) == "floor" for name in scene.objects)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Protocol, cast
 from pydantic import ValidationError
 
 from drone_sim.arrays import Floats
-from drone_sim.scene import Scene, SceneError, Strict, first_error
+from drone_sim.scene import Scene, SceneError
+from drone_sim.strict import Strict, first_error
 
 if TYPE_CHECKING:
     from drone_sim.model import Model
@@ -49,6 +50,6 @@ def parameters(scene: Scene) -> dict[str, Strict]:
             try:
                 valid[name] = effect(name).Parameters.model_validate(scene.effects[name], strict=True)
             except ValidationError as error:
-                message = first_error(error, ("effects", name), effect(name).Parameters)
+                message = first_error(error, effect(name).Parameters, ("effects", name))
                 raise SceneError(f"{scene.path}: {message}") from None
     return valid

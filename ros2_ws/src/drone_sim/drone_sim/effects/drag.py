@@ -9,9 +9,9 @@ from drone_sim.arrays import Floats
 from drone_sim.kernel import kernel
 from drone_sim.model import Model
 from drone_sim.rotation import matrix
-from drone_sim.scene import Strict
 from drone_sim.stage import Stage
 from drone_sim.state import State
+from drone_sim.strict import Strict
 
 
 class Parameters(Strict):

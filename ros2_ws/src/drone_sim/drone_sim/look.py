@@ -1,0 +1,79 @@
+"""What a scene says about its picture: lights, cameras, sky and water."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, PositiveFloat, model_validator
+
+from drone_sim.strict import ORIGIN, Colour, Name, Pose, Strict, Unit
+
+
+class Light(Strict):
+    """A point light. It shines on everything around it but its own parent."""
+
+    parent: Name | None = None
+    pose: Pose = ORIGIN
+    colour: Colour = (1.0, 1.0, 1.0)
+    intensity: PositiveFloat = 1.0
+    reach: PositiveFloat | None = None  # m at which half of it is left; without it, distance does not weaken it
+
+
+class Orbit(Strict):
+    """A circle around the parent, or around the pose where there is none, looking at its centre."""
+
+    radius: PositiveFloat
+    height: float
+    period: PositiveFloat  # s
+
+
+class Camera(Strict):
+    """A pinhole camera. Its picture is <name>'s; its optical frame is <name>_optical."""
+
+    parent: Name | None = None
+    pose: Pose = ORIGIN
+    size: tuple[int, int] = (640, 480)  # pixels
+    fov: Annotated[float, Field(gt=0.05, lt=3.0)] = 1.2  # rad, horizontal
+    near: PositiveFloat = 0.05  # m
+    far: PositiveFloat = 1000.0  # m
+    level: bool = False  # takes the parent's position and heading only, not its tilt
+    look_at: Name | None = None  # turns towards this object
+    orbit: Orbit | None = None
+
+    @model_validator(mode="after")
+    def _drawable(self) -> Self:
+        if not all(16 <= side <= 4096 for side in self.size):
+            raise ValueError("'size' needs two numbers of pixels from 16 to 4096")
+        if self.near >= self.far:
+            raise ValueError("'near' must be less than 'far'")
+        return self
+
+
+class Sky(Strict):
+    """What is seen where nothing stands: colours from the horizon up, and clouds that drift."""
+
+    horizon: Colour = (0.76, 0.86, 0.94)
+    zenith: Colour = (0.22, 0.45, 0.78)
+    clouds: str | None = None  # a texture; its alpha is the cover
+    drift: tuple[float, float] = (0.004, 0.001)  # of the texture per s
+
+
+class Water(Strict):
+    """How objects with 'shading: water' look."""
+
+    deep: Colour = (0.02, 0.16, 0.24)
+    shallow: Colour = (0.10, 0.45, 0.48)
+    wave_height: Unit = 0.15  # of the wave's length
+    wave_speed: float = 1.0
+
+
+class Render(Strict):
+    """What the picture is made of; what is not named is not in any shader."""
+
+    ambient: Colour = (0.30, 0.34, 0.40)
+    sky: Sky | None = None
+    water: Water | None = None
+    normal_mapping: dict[str, None] | None = None
+    specular: dict[str, None] | None = None
+
+    def features(self) -> list[str]:
+        """Names of what the scene calls for."""
+        return [name for name in ("sky", "water", "normal_mapping", "specular") if getattr(self, name) is not None]

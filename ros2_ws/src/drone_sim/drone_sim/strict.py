@@ -1,0 +1,46 @@
+"""The words of a scene file: its kinds of numbers and names, and the one line that says what is wrong with them."""
+
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+Vector = tuple[float, float, float]
+Unit = Annotated[float, Field(ge=0.0, le=1.0)]
+Colour = tuple[Unit, Unit, Unit]
+Rate = Annotated[float, Field(gt=0.0, le=10_000.0)]
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
+Topic = Annotated[str, Field(pattern=r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
+Mass = Annotated[float, Field(ge=1e-6, le=1e9)]  # kg
+Pose = tuple[float, float, float, float, float, float]
+ORIGIN: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Strict(BaseModel):
+    """Unknown keys, strings for numbers and non-finite numbers are errors; nothing changes after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def first_error(error: ValidationError, model: type[BaseModel], prefix: tuple[str, ...] = ()) -> str:
+    """The first thing that is wrong with a `model`, in one line: its key after the prefix, and what was expected."""
+    first = error.errors(include_url=False)[0]
+    message = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "extra_forbidden":
+        message = "unknown key"
+        if part := _part(model, first["loc"][:-1]):
+            message += "; allowed are " + (", ".join(sorted(part.model_fields)) or "none")
+    elif first["type"] not in ("value_error", "missing"):
+        message += f", got {str(first['input'])[:60]!r}"
+    key = ".".join(str(part) for part in (*prefix, *first["loc"]))
+    return f"{key}: {message}" if key else message
+
+
+def _part(kind: Any, loc: tuple[int | str, ...]) -> type[BaseModel] | None:
+    """The model that stands at a key path below a type."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        if not loc:
+            return kind
+        field = kind.model_fields.get(str(loc[0]))
+        return _part(field.annotation, loc[1:]) if field else None
+    below = loc[1:] if get_origin(kind) in (dict, tuple) else loc
+    return next((part for inner in get_args(kind) if (part := _part(inner, below))), None)
