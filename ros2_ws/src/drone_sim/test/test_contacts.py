@@ -21,9 +21,9 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
     axes = np.empty((2, 3, 3))
     axes_of(poses[:, 3:], axes)
     normal, point, separation = np.zeros(3), np.zeros((8, 3)), np.zeros(8)
-    feature, scratch = np.zeros(8, np.int64), np.empty((2, 16, 4))
-    count = obb.contact(poses[:, :3], axes, np.array([half_a, half_b], float), 0, 1, margin, normal, point, separation,
-                        feature, scratch)
+    feature, scratch = np.zeros(8, np.int64), np.empty((3, 15))
+    boxes = poses[:, :3], axes, np.array([half_a, half_b], float)
+    count = obb.contact(*boxes, 0, *boxes, 1, margin, normal, point, separation, feature, scratch)
     return count, normal, point[:count], separation[:count], feature[:count]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision import floor, grid, manifold, obb
-from drone_sim.collision.manifold import POINTS, Manifolds
+from drone_sim.collision.manifold import Manifolds
 from drone_sim.kernel import kernel
 from drone_sim.model import Model
 from drone_sim.rotation import matrix
@@ -35,8 +35,8 @@ def find_contacts(position, axes, half, velocity, dt, pair_a, pair_b, floor_heig
             square += (velocity[b, c] - velocity[a, c]) ** 2
         margin = MARGIN + dt * np.sqrt(square)
         if np.isnan(floor_height[k]):
-            count = obb.contact(position, axes, half, a, b, margin, normal[found], point[found], separation[found],
-                                feature[found], scratch)
+            count = obb.contact(position, axes, half, a, position, axes, half, b, margin, normal[found], point[found],
+                                separation[found], feature[found], scratch)
         else:
             box, up = (b, 1.0) if half[a, 0] == np.inf else (a, -1.0)
             normal[found, 0], normal[found, 1], normal[found, 2] = 0.0, 0.0, up
@@ -59,7 +59,7 @@ class Detection:
         self.manifolds, self._last = Manifolds(64), Manifolds(64)
         self._grid = grid.Grid(bodies.half[bodies.solid])
         self._low, self._high = np.empty((2, bodies.count, 3))
-        self._scratch = np.empty((2, 2 * POINTS, 4))
+        self._scratch = np.empty((3, 15))
         self._half = bodies.half.copy()
         self._half[[plane.body for plane in model.floors]] = np.inf
         on_floor = np.flatnonzero(bodies.movable & bodies.solid)

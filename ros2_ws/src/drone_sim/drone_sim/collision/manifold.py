@@ -1,4 +1,4 @@
-"""The contacts of a step: for each pair that touches or nearly does, a normal and up to eight points."""
+"""Contacts: for each pair that touches or nearly does, a normal and up to eight points, and how boxes come to them."""
 
 import numpy as np
 
@@ -6,6 +6,8 @@ from drone_sim.arrays import Floats, Integers
 from drone_sim.kernel import kernel
 
 POINTS = 8  # of a manifold, at most
+HAIR = 1e-9  # of a face's size
+STEEP = 1e-100  # m, m2: what is shorter or smaller than this is cut nowhere
 
 
 class Manifolds:
@@ -44,3 +46,123 @@ def carry_over(count, pair, points, feature, impulse, old_count, old_pair, old_p
                         for c in range(3):
                             impulse[i, k, c] = old_impulse[old, m, c]
                         break
+
+
+@kernel
+def clip(box, r, o, face, side, margin, depth, of_b, point, separation, feature):
+    """Clips the face of box o that looks most against a face of box r to the latter; returns the number of points.
+
+    box: (2, 15), each centre, axes, half extents, seen from where the points are wanted. side: 1 or -1, of the face.
+    depth: separation along the face's normal, m. of_b: whether r is b of the pair, for the features.
+    """
+    u, v = (face + 1) % 3, (face + 2) % 3
+    incident, most, sign = 0, -1.0, 1.0
+    for k in range(3):
+        facing = side * _dot(box, r, face, box[o, 3 + 3 * k], box[o, 4 + 3 * k], box[o, 5 + 3 * k])
+        if abs(facing) > most:
+            incident, most, sign = k, abs(facing), -1.0 if facing > 0.0 else 1.0
+    p, q = (incident + 1) % 3, (incident + 2) % 3
+    # Of the incident face in the frame of the reference face (u, v along it, w above it): the middle, half its edges.
+    mid = sign * box[o, 12 + incident]
+    x, y, z = box[o, 0] - box[r, 0], box[o, 1] - box[r, 1], box[o, 2] - box[r, 2]
+    x, y, z = (x + mid * box[o, 3 + 3 * incident], y + mid * box[o, 4 + 3 * incident],
+               z + mid * box[o, 5 + 3 * incident])
+    cu, cv, cw = _dot(box, r, u, x, y, z), _dot(box, r, v, x, y, z), side * _dot(box, r, face, x, y, z)
+    x, y, z, h = box[o, 3 + 3 * p], box[o, 4 + 3 * p], box[o, 5 + 3 * p], box[o, 12 + p]
+    pu, pv, pw = h * _dot(box, r, u, x, y, z), h * _dot(box, r, v, x, y, z), side * h * _dot(box, r, face, x, y, z)
+    x, y, z, h = box[o, 3 + 3 * q], box[o, 4 + 3 * q], box[o, 5 + 3 * q], box[o, 12 + q]
+    qu, qv, qw = h * _dot(box, r, u, x, y, z), h * _dot(box, r, v, x, y, z), side * h * _dot(box, r, face, x, y, z)
+    cw -= box[r, 12 + face]
+    # The reference face is a hair larger, so that equal faces on each other do not give every corner twice.
+    hair = HAIR * (box[r, 12 + u] + box[r, 12 + v])
+    limit_u, limit_v = box[r, 12 + u] + hair, box[r, 12 + v] + hair
+    name = ((3 if of_b else 0) + face) * 3 + incident << 6
+    found = 0
+    inside = 0
+    for corner in range(4):  # a bit each: which end of p, which end of q
+        s, t = 1.0 if corner & 1 else -1.0, 1.0 if corner & 2 else -1.0
+        a, b = cu + s * pu + t * qu, cv + s * pv + t * qv
+        if abs(a) <= limit_u and abs(b) <= limit_v:
+            inside |= 1 << corner
+            found = _put(found, a, b, cw + s * pw + t * qw, margin, name + corner, point, separation, feature)
+    if inside != 15:
+        for edge in range(4):  # two along p, then two along q
+            if edge < 2:
+                t = 1.0 if edge == 1 else -1.0
+                start, end = inside >> 2 * edge & 1, inside >> 2 * edge + 1 & 1
+                a, b, c, eu, ev, ew = cu + t * qu, cv + t * qv, cw + t * qw, pu, pv, pw
+            else:
+                t = 1.0 if edge == 3 else -1.0
+                start, end = inside >> edge - 2 & 1, inside >> edge & 1
+                a, b, c, eu, ev, ew = cu + t * pu, cv + t * pv, cw + t * pw, qu, qv, qw
+            if start and end:
+                continue
+            per_u = 1.0 / eu if abs(eu) > STEEP else 1.0 / STEEP
+            per_v = 1.0 / ev if abs(ev) > STEEP else 1.0 / STEEP
+            middle_u, middle_v, reach_u, reach_v = -a * per_u, -b * per_v, limit_u * abs(per_u), limit_v * abs(per_v)
+            enter, leave = max(middle_u - reach_u, middle_v - reach_v), min(middle_u + reach_u, middle_v + reach_v)
+            if not start and -1.0 < enter < 1.0 and enter < leave:
+                plane = 0 if middle_u - reach_u >= middle_v - reach_v else 1
+                found = _put(found, a + enter * eu, b + enter * ev, c + enter * ew, margin,
+                             name + 8 + 4 * edge + 2 * plane, point, separation, feature)
+            if not end and -1.0 < leave < 1.0 and enter < leave:
+                plane = 0 if middle_u + reach_u <= middle_v + reach_v else 1
+                found = _put(found, a + leave * eu, b + leave * ev, c + leave * ew, margin,
+                             name + 9 + 4 * edge + 2 * plane, point, separation, feature)
+        area = pu * qv - pv * qu
+        if abs(area) > STEEP:
+            per = 1.0 / area
+            for corner in range(4):  # of the reference face, above or below the incident face
+                a, b = limit_u if corner & 1 else -limit_u, limit_v if corner & 2 else -limit_v
+                s, t = ((a - cu) * qv - (b - cv) * qu) * per, ((b - cv) * pu - (a - cu) * pv) * per
+                if abs(s) < 1.0 and abs(t) < 1.0:
+                    found = _put(found, a, b, cw + s * pw + t * qw, margin, name + 4 + corner, point, separation,
+                                 feature)
+    if found == 0 and depth <= hair:  # they overlap beside the incident face: its corner that is deepest
+        s, t = 1.0 if pw < 0.0 else -1.0, 1.0 if qw < 0.0 else -1.0
+        corner = (1 if s > 0.0 else 0) + (2 if t > 0.0 else 0)
+        found = _put(0, cu + s * pu + t * qu, cv + s * pv + t * qv, depth, np.inf, name + corner, point, separation,
+                     feature)
+    for k in range(found):
+        a, b, c = point[k, 0], point[k, 1], side * (box[r, 12 + face] + 0.5 * separation[k])
+        for i in range(3):
+            point[k, i] = (box[r, i] + a * box[r, 3 + 3 * u + i] + b * box[r, 3 + 3 * v + i]
+                           + c * box[r, 3 + 3 * face + i])
+    return found
+
+
+@kernel
+def _put(found, a, b, s, margin, name, point, separation, feature):
+    if s > margin or found == POINTS:
+        return found
+    point[found, 0], point[found, 1], separation[found], feature[found] = a, b, s, name
+    return found + 1
+
+
+@kernel
+def _dot(box, r, k, x, y, z):
+    return box[r, 3 + 3 * k] * x + box[r, 4 + 3 * k] * y + box[r, 5 + 3 * k] * z
+
+
+@kernel
+def cross_edges(box, i, j, nx, ny, nz, point):
+    """Writes the point midway between edge i of box 0 and edge j of box 1, those that face each other along n."""
+    ends = (box[0, 0], box[0, 1], box[0, 2], box[1, 0], box[1, 1], box[1, 2])
+    ax, ay, az, bx, by, bz = ends
+    for k in range(3):
+        if k != i:
+            s = box[0, 12 + k] if _dot(box, 0, k, nx, ny, nz) >= 0.0 else -box[0, 12 + k]
+            ax, ay, az = ax + s * box[0, 3 + 3 * k], ay + s * box[0, 4 + 3 * k], az + s * box[0, 5 + 3 * k]
+        if k != j:
+            s = -box[1, 12 + k] if _dot(box, 1, k, nx, ny, nz) >= 0.0 else box[1, 12 + k]
+            bx, by, bz = bx + s * box[1, 3 + 3 * k], by + s * box[1, 4 + 3 * k], bz + s * box[1, 5 + 3 * k]
+    # Closest points of two lines (Ericson 2005, Real-Time Collision Detection, 5.1.8); unit directions, not parallel.
+    cosine = _dot(box, 0, i, box[1, 3 + 3 * j], box[1, 4 + 3 * j], box[1, 5 + 3 * j])
+    wx, wy, wz = ax - bx, ay - by, az - bz
+    c, f = _dot(box, 0, i, wx, wy, wz), _dot(box, 1, j, wx, wy, wz)
+    divisor = 1.0 - cosine * cosine
+    s = min(max((cosine * f - c) / divisor, -box[0, 12 + i]), box[0, 12 + i])
+    t = min(max((f - cosine * c) / divisor, -box[1, 12 + j]), box[1, 12 + j])
+    point[0, 0] = 0.5 * (ax + s * box[0, 3 + 3 * i] + bx + t * box[1, 3 + 3 * j])
+    point[0, 1] = 0.5 * (ay + s * box[0, 4 + 3 * i] + by + t * box[1, 4 + 3 * j])
+    point[0, 2] = 0.5 * (az + s * box[0, 5 + 3 * i] + bz + t * box[1, 5 + 3 * j])
