@@ -45,9 +45,9 @@ def _boxes(world: World) -> tuple[Floats, Floats]:
 
 def _sectors(detection: Detection) -> tuple[Floats, Floats]:
     """The sectors of the broad phase in which something stands that moves."""
-    cells, size = detection.sectors(), detection.sector_size
-    upright = np.broadcast_to(np.eye(3), (len(cells), 3, 3))
-    points = _wire((cells + 0.5) * size, upright, np.full((len(cells), 3), size / 2))
+    corner, edge = detection.sectors()
+    half = np.repeat(edge[:, None] / 2, 3, axis=1)
+    points = _wire(corner + half, np.broadcast_to(np.eye(3), (len(corner), 3, 3)), half)
     return points, np.tile(SECTOR, (len(points), 1))
 
 

@@ -32,6 +32,57 @@ def test_random_boxes(count: int, scale: float) -> None:
     assert count < 50 or pairs > count / 4
 
 
+@pytest.mark.parametrize(("gap", "reach"), [(0.0, 3), (0.01, 1)])
+def test_a_lattice_of_cubes(gap: float, reach: int) -> None:
+    """Cubes of 1 m that touch have up to 26 neighbours; with a gap between them none."""
+    side = np.arange(7.0) * (1.0 + gap)
+    low = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
+    everything = np.ones(len(low), bool)
+    a, b = Grid(np.full((len(low), 3), 0.5)).pairs(low, low + 1.0, everything, everything)
+    assert len(a) == ((reach * 7 - (reach - 1)) ** 3 - 7**3) // 2
+    assert bool(np.all(a < b))
+    assert np.unique(a * len(low) + b).tolist() == (a * len(low) + b).tolist()
+
+
+def test_the_answer_stays_when_the_grid_is_asked_again() -> None:
+    low, everything = np.zeros((2, 3)), np.ones(2, bool)
+    grid = Grid(np.ones((2, 3)))
+    a, b = grid.pairs(low, low + 1.0, everything, everything)
+    apart = np.array([[0.0], [5.0]])
+    grid.pairs(low + apart, low + apart + 1.0, everything, everything)
+    assert (a.tolist(), b.tolist()) == ([0], [1])
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("axis", range(3))
+def test_bounds_that_are_not_finite_are_refused(number: float, axis: int) -> None:
+    low, high, everything = np.zeros((3, 3)), np.ones((3, 3)), np.ones(3, bool)
+    grid = Grid(high)
+    for bound in (low, high):
+        bound[1, axis] = number
+        with pytest.raises(ValueError, match="finite"):
+            grid.pairs(low, high, everything, everything)
+        bound[1, axis] = 0.5
+    low[1, axis] = 0.6
+    with pytest.raises(ValueError, match="low up to high"):
+        grid.pairs(low, high, everything, everything)
+    low[1, axis] = 0.5
+    assert len(grid.pairs(low, high, everything, everything)[0]) == 3
+
+
+def test_sectors_cover_what_stands_in_them() -> None:
+    rng = np.random.default_rng(3)
+    half = rng.uniform(0.1, 1.0, (50, 3)) * rng.choice([1.0, 100.0], (50, 1))
+    centre = rng.uniform(-200, 200, (50, 3))
+    grid = Grid(half)
+    corner, edge = grid.sectors(centre - half, centre + half)
+    assert len(np.unique(edge)) == 2
+    assert len(np.unique(np.column_stack([corner, edge]), axis=0)) == len(edge)
+    points = (centre + rng.uniform(-1, 1, (100, 50, 3)) * half).reshape(-1, 1, 3)
+    inside = ((points >= corner - 1e-9) & (points <= corner + edge[:, None] + 1e-9)).all(axis=2)
+    assert bool(inside.any(axis=1).all())
+
+
 def test_a_millimetre_beside_a_kilometre() -> None:
     rng = np.random.default_rng(1)
     half = np.concatenate([np.full((60, 3), 0.0005), np.full((3, 3), 500.0), rng.uniform(0.001, 50, (60, 3))])

@@ -86,20 +86,10 @@ class Detection:
         manifold.carry_over(new.count, new.pair, new.points, new.feature, new.impulse,
                             old.count, old.pair, old.points, old.feature, old.impulse)
 
-    @property
-    def sector_size(self) -> float:
-        """Edge of a sector of the broad phase, m."""
-        return self._grid.size
-
-    def sectors(self) -> Floats:
-        """Coordinates (k, 3) of the sectors that bodies stand in which can move, each once, times the size their
-        lowest corner in m. Bodies that are tested against all are left out."""
+    def sectors(self) -> tuple[Floats, Floats]:
+        """Lowest corners (k, 3) and edges (k,) in m of the sectors that bodies stand in which can move, each once."""
         moving = self._bodies.movable & self._bodies.solid
-        first = np.floor(self._low[moving] / self.sector_size).astype(np.int64)
-        last = np.floor(self._high[moving] / self.sector_size).astype(np.int64)
-        cells = [np.stack(np.meshgrid(*map(np.arange, a, b + 1), indexing="ij"), -1).reshape(-1, 3)
-                 for a, b in zip(first, last, strict=True) if np.prod(b - a + 1.0) <= grid.LARGE]
-        return np.unique(np.concatenate(cells), axis=0).astype(np.float64) if cells else np.empty((0, 3))
+        return self._grid.sectors(self._low[moving], self._high[moving])
 
     def _candidates(self) -> tuple[Integers, Integers, Floats]:
         """Pairs a < b in order, and the height of the floor where one of the two is a floor, else NaN."""

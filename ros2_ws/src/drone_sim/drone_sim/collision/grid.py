@@ -1,18 +1,24 @@
-"""Broad phase: a uniform grid finds the pairs of boxes that may touch.
+"""Broad phase: uniform grids find the pairs of boxes that may touch.
 
-A box stands in every cell that it overlaps, so that neighbours are never missed; a pair comes out once, from the
-cell that holds the lowest corner of what the two boxes share. Cells live in a table of buckets addressed by a
-hash of their coordinates, so the world has no bounds. Boxes over more than LARGE cells are tested against all.
+A box stands in every cell that it overlaps, so that neighbours are never missed, and a pair comes out once. Cells live
+in a table of buckets addressed by a hash, so the world has no bounds. Where sizes differ by more than SPREAD there are
+several grids, one a level, with cells that suit their boxes. What does not move is put into its table once.
 """
 
-import math
-
 import numpy as np
+from numpy.typing import NDArray
 
 from drone_sim.arrays import Booleans, Floats, Integers
+from drone_sim.collision.cells import fill, fits, meet, meet_others, put_in_order
 from drone_sim.kernel import kernel
 
-LARGE = 64
+SPREAD = 16.0  # sizes of one level differ by no more
+LEVELS = 8  # at most; the tags of cells.py have three bits for them
+GROWTH = 2.0  # by how much a box may outgrow its level before there are new ones
+CROWD = 64  # tests for each body and pair that tell that the cells may no longer suit
+DONE, NEW_LEVELS, NEW_STATICS, MORE_ENTRIES, MORE_PAIRS = range(5)
+
+Narrow = NDArray[np.int32]
 
 
 @kernel
@@ -28,102 +34,161 @@ def bounds(position, axes, half, velocity, dt, margin, low, high):
 
 
 @kernel
-def overlap(low, high, i, j):
-    """Whether two AABBs share a point."""
-    return (low[i, 0] <= high[j, 0] and low[j, 0] <= high[i, 0]
-            and low[i, 1] <= high[j, 1] and low[j, 1] <= high[i, 1]
-            and low[i, 2] <= high[j, 2] and low[j, 2] <= high[i, 2])
-
-
-@kernel
-def _cell(x, y, z, size):
-    """The cell that a point lies in."""
-    return math.floor(x / size), math.floor(y / size), math.floor(z / size)
-
-
-@kernel
-def bucket(x, y, z, mask):
-    """Where a cell stands in the table (Teschner et al. 2003, Optimized Spatial Hashing, 3)."""
-    return ((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) & mask
-
-
-@kernel
-def find_pairs(low, high, solid, movable, size, heads, entries, pair_a, pair_b):
-    """Writes pairs a < b of solid boxes that overlap, one of them movable; returns (pairs, entries) that there are.
-
-    More than the buffers hold is counted and not written: the caller grows them and calls again.
-    heads: (power of two,) the newest entry of each bucket. entries: (m, 5), one a box and cell: the next older
-    entry of the bucket, the box, the cell.
-    """
-    n = low.shape[0]
-    mask = heads.shape[0] - 1
-    heads[:] = -1
-    entry_count = 0
-    pair_count = 0
-    large = np.zeros(n, np.bool_)
-    for i in range(n):
-        if not solid[i]:
-            continue
-        x0, y0, z0 = _cell(low[i, 0], low[i, 1], low[i, 2], size)
-        x1, y1, z1 = _cell(high[i, 0], high[i, 1], high[i, 2], size)
-        if (x1 - x0 + 1.0) * (y1 - y0 + 1.0) * (z1 - z0 + 1.0) > LARGE:
-            large[i] = True
-            continue
-        for x in range(x0, x1 + 1):
-            for y in range(y0, y1 + 1):
-                for z in range(z0, z1 + 1):
-                    here = bucket(x, y, z, mask)
-                    e = heads[here]
-                    while e >= 0:
-                        j = entries[e, 1]
-                        if (entries[e, 2] == x and entries[e, 3] == y and entries[e, 4] == z
-                                and (movable[i] or movable[j]) and overlap(low, high, i, j)
-                                and (x, y, z) == _cell(max(low[i, 0], low[j, 0]), max(low[i, 1], low[j, 1]),
-                                                       max(low[i, 2], low[j, 2]), size)):
-                            if pair_count < pair_a.shape[0]:
-                                pair_a[pair_count], pair_b[pair_count] = j, i
-                            pair_count += 1
-                        e = entries[e, 0]
-                    if entry_count < entries.shape[0]:
-                        entries[entry_count, 0] = heads[here]
-                        entries[entry_count, 1] = i
-                        entries[entry_count, 2], entries[entry_count, 3], entries[entry_count, 4] = x, y, z
-                        heads[here] = entry_count
-                    entry_count += 1
-    for i in range(n):
-        if not large[i]:
-            continue
-        for j in range(n):
-            if not solid[j] or i == j or (large[j] and j < i) or not (movable[i] or movable[j]):
-                continue
-            if overlap(low, high, i, j):
-                if pair_count < pair_a.shape[0]:
-                    pair_a[pair_count], pair_b[pair_count] = min(i, j), max(i, j)
-                pair_count += 1
-    return pair_count, entry_count
+def find_pairs(low, high, solid, movable, levels, static, static_bounds, static_top, static_start, static_entry,
+               start, bucket, listed, entry, marks, pair, ordered):
+    """Writes the pairs of solid boxes that overlap, one of them movable; returns (DONE, how many, tests made), or what
+    the caller has to renew first and how large it must be. levels: (k, 2) largest half side, cells per metre; static:
+    bodies in the table static_*, with the bounds that they had; marks: (3, n), scratch."""
+    home, movers, count = marks[0], marks[1], marks[2]
+    moving = still = top = 0
+    as_before = True
+    for i in range(low.shape[0]):
+        if solid[i]:
+            level = 0
+            while not fits(low, high, i, levels[level, 0]):
+                level += 1
+                if level == levels.shape[0]:
+                    return NEW_LEVELS, level, 0
+            home[i] = level
+            if movable[i]:
+                movers[moving] = i
+                moving += 1
+                top = max(top, level)
+            else:
+                as_before = as_before and still < static.shape[0] and static[still] == i
+                for c in range(3):
+                    as_before = (as_before and static_bounds[0, still, c] == low[i, c]
+                                 and static_bounds[1, still, c] == high[i, c])
+                still += 1
+    if not as_before or still != static.shape[0]:
+        return NEW_STATICS, still, 0
+    per_metre = levels[:, 1]
+    buckets = 64
+    while buckets < 2 * moving:
+        buckets *= 2
+    start = start[: buckets + 1]
+    entries = fill(low, high, movers, moving, home, per_metre, top, start, bucket, listed, entry)
+    if entries > bucket.shape[0]:
+        return MORE_ENTRIES, entries, 0
+    found, tests = meet(start, entry, pair[0])
+    if found >= 0 and still:
+        found, more = meet_others(low, high, movers, moving, home, per_metre, static_top, static_start, static_entry,
+                                  pair[0], found)
+        tests += more
+    if found < 0:
+        return MORE_PAIRS, 2 * pair.shape[1], 0
+    return DONE, put_in_order(low, high, pair[0], found, count, pair[1], ordered), tests
 
 
 class Grid:
     """The broad phase with its buffers."""
 
     def __init__(self, half: Floats) -> None:
-        """half: (n, 3) half extents of the boxes in m; cells are twice their mean size."""
+        """half: (n, 3) half extents of the boxes in m, which the sizes of cells follow until bounds tell more."""
         n = max(len(half), 1)
-        self.size = float(4.0 * np.median(half)) if len(half) else 1.0
-        self._heads = np.empty(1 << max(4, int(np.ceil(np.log2(4 * n)))), np.int64)
-        self._entries = np.empty((16 * n, 5), np.int64)
-        self._pairs = np.empty((2, 4 * n), np.int64)
+        self._wait = self._patience = 1  # crowded calls until the levels are thought over, and from then to the next
+        self._marks = np.empty((3, n), np.int32)
+        self._pairs, self._ordered = np.empty((2, 2, 8 * n), np.int64)
+        self._start, self._bucket, self._listed, self._entry = _table(n, 8 * n)
+        self._take_levels(_levels(-half, half))
 
     def pairs(self, low: Floats, high: Floats, solid: Booleans, movable: Booleans) -> tuple[Integers, Integers]:
-        """Pairs a < b of overlapping boxes, sorted by a, then b."""
+        """Pairs a < b of overlapping boxes, sorted by a, then b. Raises ValueError for bounds that are no box."""
+        if len(low) > self._marks.shape[1]:
+            self._marks = np.empty((3, len(low)), np.int32)
+            self._start, self._bucket, self._listed, self._entry = _table(len(low), 8 * len(low))
         while True:
-            pairs, entries = find_pairs(low, high, solid, movable, self.size, self._heads, self._entries, *self._pairs)
-            if entries > len(self._entries):
-                self._entries = np.empty((2 * entries, 5), np.int64)
-            elif pairs > self._pairs.shape[1]:
-                self._pairs = np.empty((2, 2 * pairs), np.int64)
-            else:
+            answer, count, tests = find_pairs(
+                low, high, solid, movable, self._levels, self._static, self._static_bounds, self._static_top,
+                self._static_start, self._static_entry, self._start, self._bucket, self._listed, self._entry,
+                self._marks, self._pairs, self._ordered)
+            if answer == DONE:
                 break
-        a, b = self._pairs[:, :pairs]
-        order = np.lexsort((b, a))
-        return a[order], b[order]
+            if answer == NEW_LEVELS:
+                self._take_levels(_levels(*_checked(low[solid], high[solid])))
+            elif answer == NEW_STATICS:
+                self._bin_statics(low, high, solid & ~movable)
+            elif answer == MORE_ENTRIES:
+                self._start, self._bucket, self._listed, self._entry = _table(len(low), 2 * count)
+            elif answer == MORE_PAIRS:
+                self._pairs, self._ordered = np.empty((2, 2, count), np.int64)
+        if tests > CROWD * (CROWD + len(low) + count):
+            self._think_over(low[solid], high[solid])
+        return self._ordered[0, :count].copy(), self._ordered[1, :count].copy()
+
+    def sectors(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """Lowest corners (k, 3) and edges (k,) in m of the cells that boxes stand in, each once."""
+        cells = []
+        for i, reach in enumerate((high / 2 - low / 2).max(axis=1)):
+            level = min(int(np.searchsorted(self._levels[:, 0], reach)), len(self._levels) - 1)
+            first, last = np.floor(np.array([low[i], high[i]]) * self._levels[level, 1])
+            place = np.stack(np.meshgrid(*map(np.arange, first, last + 1), indexing="ij"), -1).reshape(-1, 3)
+            cells.append(np.insert(place, 0, level, axis=1))
+        places = np.unique(np.concatenate(cells), axis=0) if cells else np.empty((0, 4))
+        edges = 1.0 / self._levels[places[:, 0].astype(np.int64), 1]
+        return places[:, 1:] * edges[:, None], edges
+
+    def _take_levels(self, levels: Floats) -> None:
+        self._levels = levels
+        self._static, self._static_bounds, self._static_top = np.empty(0, np.int32), np.empty((2, 0, 3)), 0
+        self._static_start, _, _, self._static_entry = _table(1, 0)
+
+    def _think_over(self, low: Floats, high: Floats) -> None:
+        """Takes levels that suit better, if there are; if not, waits twice as long until it looks again."""
+        self._wait -= 1
+        if self._wait == 0:
+            levels = _levels(low, high)
+            if levels.shape == self._levels.shape and np.allclose(levels, self._levels, rtol=0.5):
+                self._patience *= 2
+            else:
+                self._patience = 1
+                self._take_levels(levels)
+            self._wait = self._patience
+
+    def _bin_statics(self, low: Floats, high: Floats, fixed: Booleans) -> None:
+        static = self._static = np.flatnonzero(fixed).astype(np.int32)
+        self._static_bounds = np.array([low[static], high[static]])
+        home = self._marks[0]
+        self._static_top = int(home[static].max(initial=0))
+        entries = 8 * len(static)
+        while True:
+            self._static_start, bucket, listed, self._static_entry = _table(len(static), entries)
+            entries = fill(low, high, static, len(static), home, self._levels[:, 1], len(self._levels) - 1,
+                           self._static_start, bucket, listed, self._static_entry)
+            if entries <= len(bucket):
+                break
+
+
+def _checked(low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    bad = np.flatnonzero(~(np.isfinite(low) & np.isfinite(high) & (low <= high)).all(axis=1))
+    if len(bad):
+        raise ValueError(f"bounds of a box need finite numbers, low up to high; got {low[bad[0]]} to {high[bad[0]]}")
+    return low, high
+
+
+def _table(bodies: int, entries: int) -> tuple[Narrow, Narrow, Integers, Integers]:
+    """Empty arrays of a table: start of buckets, and for each entry its bucket, what is listed, what is sorted."""
+    buckets = 1 << max(6, int(np.ceil(np.log2(2 * max(bodies, 1)))))
+    return (np.zeros(buckets + 1, np.int32), np.empty(entries, np.int32), np.empty((entries, 3), np.int64),
+            np.empty((entries, 3), np.int64))
+
+
+def _levels(low: Floats, high: Floats) -> Floats:
+    """Largest half side and cells per metre (k, 2) of levels that suit boxes: cells of twice their mean longest side.
+
+    A level has boxes of SPREAD in size, so that its largest do not stand in too many cells; the finest takes the rest.
+    """
+    rows: list[tuple[float, float]] = []
+    reach, far = (high / 2 - low / 2).max(axis=1, initial=0.0), np.maximum(-low, high).max(axis=1, initial=0.0)
+    limit = np.inf
+    while len(reach) and len(rows) < LEVELS:
+        top = float(reach.max())
+        inside = (reach >= top / SPREAD) | (len(rows) == LEVELS - 1)
+        if top:
+            edge = 4.0 * top * max(float(np.mean(reach[inside] / top)), 1.0 / SPREAD)
+        else:  # points, so cells that only equal ones share
+            edge = 2.0**-40 * float(far.max()) or 1.0
+        rows.append((min(GROWTH * top, limit), 1.0 / max(edge, 1e-300)))
+        limit = top / SPREAD
+        reach, far = reach[~inside], far[~inside]
+    return np.array(rows[::-1] or [(1.0, 1.0)])
