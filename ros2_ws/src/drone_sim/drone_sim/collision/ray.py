@@ -251,8 +251,9 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
         raise ValueError(f"directions: expected a length other than 0, ray {int(direction.any(axis=1).argmin())} has 0")
     if ((level > OBB) & (root < 0)).any() or (root >= nodes).any():
         raise ValueError(f"roots: expected nodes of a forest of {nodes} at levels octree and triangle, got {root}")
-    box, link, corners, face = forest or (np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)),
-                                          np.empty(0, np.int64))
+    box, link, corners = np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3))
+    if forest is not None:
+        box, link, corners = forest.box, forest.link, forest.corners
     table = np.empty((bodies, COLUMNS))
     tabulate(np.ascontiguousarray(pose[:, :3]), np.ascontiguousarray(pose[:, 3:]), extent, root, box, table)
     hits = Hits(np.full(count, np.inf), np.full(count, -1), np.full(count, -1), *np.full((2, count, 3), np.nan))
@@ -260,5 +261,6 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
     cast_rays(origin, direction, np.nextafter(max_range, np.inf), table, level, root, box, link, corners,
               np.empty(nodes, np.int64), np.empty(nodes), *hits)
     on_triangle = (hits.body >= 0) & (level[hits.body] == TRIANGLE)
-    hits.face[on_triangle] = face[hits.face[on_triangle]]
+    if on_triangle.any():
+        hits.face[on_triangle] = forest.face[hits.face[on_triangle]]
     return hits

@@ -1,0 +1,183 @@
+"""Continuous collision: when within a step two bodies meet, at the pair's level, so that none passes through another.
+
+Bodies move with constant velocity and turn with constant angular velocity. Their balls are solved in closed form,
+boxes by conservative advancement, meshes by branch and bound over pairs of nodes: a pair's boxes meet no later than
+anything in them, so what is inside starts where they ended.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drone_sim.arrays import Floats, Integers
+from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, boxes_meet, relative
+from drone_sim.collision.ray import ray_sphere
+from drone_sim.kernel import kernel
+from drone_sim.model import OBB, SPHERE
+
+FRACTION = 0.25  # of its smallest side: a body that moves more in a step is swept
+TARGET = 1e-4  # of the smaller body's radius: how far apart two bodies are at the time of impact
+ROUNDING = 256 * 2.0**-52  # of the lengths in play: what a separation may be wrong by, the padding of leaves included
+COARSE = 3  # iterations for a pair of nodes whose children are looked at anyway
+STACK = 640  # pairs of nodes: each level of two trees of up to 40 leaves at most 7 of 8 behind
+
+
+@kernel
+def fast(velocity, spin, half, dt, moving_fast):
+    """Writes which bodies may move some point by more than FRACTION of their smallest side in dt s, and counts them."""
+    count = 0
+    for i in range(half.shape[0]):
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
+        turning = math.sqrt(spin[i, 0] ** 2 + spin[i, 1] ** 2 + spin[i, 2] ** 2)
+        radius = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
+        moving_fast[i] = (speed + turning * radius) * dt > 2.0 * FRACTION * min(half[i, 0], half[i, 1], half[i, 2])
+        count += moving_fast[i]
+    return count
+
+
+@kernel
+def balls_meet(motion, distance):
+    """When the bodies' positions are first this far apart, s; 0 if they are nearer at the start, inf if never."""
+    x, y, z = motion[0], motion[1], motion[2]
+    vx, vy, vz = motion[3], motion[4], motion[5]
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    if speed == 0.0:
+        return 0.0 if x * x + y * y + z * z <= distance * distance else math.inf
+    return ray_sphere(x, y, z, vx / speed, vy / speed, vz / speed, distance) / speed
+
+
+@kernel
+def _box_of(node, box, half, i, out):
+    """Writes a node's box, or that of body i if it has no tree; returns its farthest distance from the position."""
+    for k in range(3):
+        out[k] = box[node, k] if node >= 0 else 0.0
+        out[3 + k] = box[node, 3 + k] if node >= 0 else half[i, k]
+    return (math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2) + math.sqrt(out[3] ** 2 + out[4] ** 2 + out[5] ** 2))
+
+
+@kernel
+def leaves_meet(motion, place, node_a, node_b, box_a, box_b, link, corners, start, end, target):
+    """When the triangles of two leaves meet: here their boxes, which do so no later."""
+    return boxes_meet(motion, place, box_a, box_b, start, end, target, ITERATIONS)
+
+
+@kernel
+def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, end, target, stack, entry):
+    """As boxes_meet, for the leaves of two trees, or of a tree and the box of a body without one (root -1).
+
+    whole: (2, 6) the boxes of the roots. stack: (STACK, 2) and entry: (STACK,) hold pairs of nodes that are yet to be
+    looked at and the time until which each is known to be safe, of siblings the earliest on top.
+    """
+    best, outcome = end, NONE
+    stack[0, 0], stack[0, 1], entry[0] = root_a, root_b, start
+    top = 1
+    while top > 0:
+        top -= 1
+        a, b, t = stack[top, 0], stack[top, 1], entry[top]
+        if t >= best:
+            continue
+        box_a, box_b = whole[0] if a < 0 else box[a], whole[1] if b < 0 else box[b]
+        leaf_a, leaf_b = a < 0 or link[a, 1] == 0, b < 0 or link[b, 1] == 0
+        if leaf_a and leaf_b:
+            time, found = leaves_meet(motion, place, a, b, box_a, box_b, link, corners, t, best, target)
+            if found != NONE:
+                best, outcome = time, found
+            continue
+        split_a = not leaf_a and (leaf_b or box_a[3] + box_a[4] + box_a[5] >= box_b[3] + box_b[4] + box_b[5])
+        node = a if split_a else b
+        base = top
+        for child in range(link[node, 0], link[node, 0] + link[node, 1]):
+            if split_a:
+                time, found = boxes_meet(motion, place, box[child], box_b, t, best, target, COARSE)
+            else:
+                time, found = boxes_meet(motion, place, box_a, box[child], t, best, target, COARSE)
+            if found != NONE:
+                at = top
+                while at > base and entry[at - 1] < time:
+                    entry[at], stack[at, 0], stack[at, 1] = entry[at - 1], stack[at - 1, 0], stack[at - 1, 1]
+                    at -= 1
+                entry[at], stack[at, 0], stack[at, 1] = time, child if split_a else a, b if split_a else child
+                top += 1
+    return best, outcome
+
+
+@kernel
+def sweep_pairs(pair_a, pair_b, position, orientation, velocity, spin, half, level, root, box, link, corners, dt,
+                toi, outcome, motion, place, whole, stack, entry):
+    """Writes for each pair the time of impact, as a part of dt, and the outcome. half: (n, 3), for bodies without a
+    tree; level: (k,) of each pair; root: (n,) node or -1. motion: (MOTION,), place: (PLACE,), whole: (2, 6), stack:
+    (STACK, 2) and entry: (STACK,) are room to work in.
+    """
+    for k in range(pair_a.shape[0]):
+        a, b = pair_a[k], pair_b[k]
+        relative(position, orientation, velocity, spin, a, b, motion)
+        radius_a = _box_of(root[a], box, half, a, whole[0])
+        radius_b = _box_of(root[b], box, half, b, whole[1])
+        lengths = radius_a + radius_b
+        for c in range(3):
+            lengths += abs(position[a, c]) + abs(position[b, c]) + abs(motion[3 + c]) * dt
+        target = TARGET * min(radius_a, radius_b) + ROUNDING * lengths
+        toi[k], outcome[k] = 1.0, NONE
+        start = balls_meet(motion, radius_a + radius_b + target)
+        if start > dt:
+            continue
+        if level[k] == SPHERE:
+            end, found = start, IMPACT
+        elif level[k] == OBB:
+            end, found = boxes_meet(motion, place, whole[0], whole[1], start, dt, target, ITERATIONS)
+        else:
+            end, found = trees_meet(motion, place, root[a], root[b], whole, box, link, corners, start, dt, target,
+                                    stack, entry)
+        if found != NONE:
+            toi[k], outcome[k] = end / dt, found
+
+
+def room() -> tuple[Floats, Floats, Floats, Integers, Floats]:
+    """What `sweep_pairs` works in: its last five arguments."""
+    return np.empty(MOTION), np.empty(PLACE), np.empty((2, 6)), np.empty((STACK, 2), np.int64), np.empty(STACK)
+
+
+class Impacts(NamedTuple):
+    """Of k pairs."""
+
+    time: Floats  # (k,) part of the step after which they meet, a hair apart; 1 if they do not
+    outcome: Integers  # (k,) NONE; IMPACT; UNFINISHED: safe until `time`, then not known
+
+
+def times(pairs: ArrayLike, positions: ArrayLike, orientations: ArrayLike, velocities: ArrayLike,
+          angular_velocities: ArrayLike, half: ArrayLike, dt: float, levels: Sequence[int] | Integers | int = OBB,
+          forest: Any = None, roots: Sequence[int] | Integers | int = -1) -> Impacts:
+    """When the pairs (k, 2) of n bodies meet within dt s; the world's frame, SI units. Those that touch meet at 0.
+
+    positions, velocities, angular_velocities: (n, 3); orientations: (n, 4) xyzw; half: (n, 3) half extents of bodies
+    without a tree; levels: of each pair; roots: nodes of the forest, or -1. Raises ValueError.
+    """
+    pair = np.ascontiguousarray(pairs, np.int64).reshape(-1, 2)
+    bodies = [np.ascontiguousarray(of, np.float64) for of in (positions, orientations, velocities, angular_velocities)]
+    n, k = len(bodies[0]), len(pair)
+    for name, width, array in zip(("positions", "orientations", "velocities", "angular_velocities"), (3, 4, 3, 3),
+                                  bodies, strict=True):
+        if array.shape != (n, width):
+            raise ValueError(f"{name}: expected ({n}, {width}), got {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{name}: expected finite numbers, body {int(np.argwhere(~np.isfinite(array))[0, 0])}"
+                             " has others")
+    extent = np.ascontiguousarray(np.broadcast_to(np.asarray(half, np.float64), (n, 3)))
+    level = np.ascontiguousarray(np.broadcast_to(np.asarray(levels, np.int64), k))
+    root = np.ascontiguousarray(np.broadcast_to(np.asarray(roots, np.int64), n))
+    nodes = 0 if forest is None else len(forest.box)
+    if not 0.0 < dt < math.inf:
+        raise ValueError(f"dt: expected seconds above 0, got {dt}")
+    if k and not (pair.min() >= 0 and pair.max() < n):
+        raise ValueError(f"pairs: expected bodies 0 to {n - 1}, got {pair.min()} to {pair.max()}")
+    if (root >= nodes).any():
+        raise ValueError(f"roots: expected nodes of a forest of {nodes}, got {root.max()}")
+    tree = (np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)))
+    if forest is not None:
+        tree = forest.box, forest.link, forest.corners
+    impacts = Impacts(np.empty(k), np.empty(k, np.int64))
+    sweep_pairs(pair[:, 0].copy(), pair[:, 1].copy(), *bodies, extent, level, root, *tree, dt, *impacts, *room())
+    return impacts
