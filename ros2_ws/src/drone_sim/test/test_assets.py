@@ -55,7 +55,8 @@ def distance(box: Box, points: Array) -> Array:
 
 def solid(scene: Scene) -> dict[str, Box]:
     """The boxes of everything that can be hit at its sides."""
-    names = [name for name, thing in scene.objects.items() if thing.parent is None and scene.level(name) == "obb"]
+    names = [name for name, thing in scene.objects.items()
+             if thing.parent is None and scene.level(name) not in ("none", "floor")]
     return {name: box_of(scene, name) for name in names}
 
 
@@ -92,6 +93,17 @@ def test_patrols_are_clear(name: str) -> None:
         line = np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(stops)])
         near = {other: distance(box, line).min() for other, box in solid(scene).items() if other != flier}
         assert {other: gap for other, gap in near.items() if gap < CLEARANCE} == {}
+
+
+@pytest.mark.parametrize(("name", "height"), [("ring", 1.2), ("archway", 1.2), ("table", 0.6)])
+def test_the_drone_fits_through(name: str, height: float) -> None:
+    """Along x, straight ahead, with a hand's breadth to spare on each side."""
+    drone = mesh.load((ASSETS / "models/drone.obj").resolve())
+    reach = np.maximum(-drone.low, drone.high)[1:] + 0.1
+    for part in mesh.load((ASSETS / "models" / f"{name}.obj").resolve()).parts:
+        corners = part.vertices[part.faces][..., 1:] - [0.0, height]
+        beside = (corners.min(axis=1) > reach) | (corners.max(axis=1) < -reach)
+        assert beside.any(axis=1).all()
 
 
 @pytest.mark.parametrize("name", MODELS)
