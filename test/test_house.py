@@ -32,7 +32,7 @@ def test_types(package: str) -> None:
     run("mypy", "-p", package)
 
 
-@pytest.mark.parametrize("folder", ["ros2_ws", "bench"])
+@pytest.mark.parametrize("folder", ["ros2_ws", "bench", "figures"])
 def test_types_of_programs(folder: str) -> None:
     run("mypy", *sorted(str(path.relative_to(ROOT)) for path in (ROOT / folder).glob("*.py")))
 
