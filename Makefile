@@ -32,8 +32,10 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-figures: build  ## draw the picture of the README anew
+figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
+	@$(RUN) figures/levels.py
+	@$(RUN) figures/hard_cases.py
 
 lock: build  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

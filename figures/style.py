@@ -1,0 +1,136 @@
+"""One look for all pictures: the shapes on the left, maps of answers on the right, a line that explains on top."""
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from PIL import Image
+
+from drone_sim.arrays import Booleans, Floats, Integers
+
+FIRST, SECOND = "#3f78b8", "#efa22f"  # A and B
+INK, FAINT = "#22272e", "#8a94a0"
+HIT, APART, MISSED, INVENTED = "#44617f", "#e8ecf1", "#d7263d", "#8e3fb0"
+MEANINGS = {HIT: "they meet", APART: "they do not", MISSED: "a hit that was missed", INVENTED: "a hit that is none"}
+WIDTH, HEIGHT, DPI = 10.4, 4.5, 115  # inches
+SHAPES = (-0.01, 0.02, 0.42, 0.74)  # where the view of the shapes is, as Place says
+FIRST_MAP, SECOND_MAP = ((left, 0.145, 0.585 * HEIGHT / WIDTH, 0.585) for left in (0.44, 0.72))
+LINE = 145  # characters
+Place = tuple[float, float, float, float]  # left, bottom, width, height of the figure
+COLOURS = 200  # of a picture's palette
+
+mpl.rcParams |= {"font.family": "DejaVu Sans", "font.size": 9, "text.color": INK, "axes.labelcolor": INK,
+                 "axes.edgecolor": FAINT, "xtick.color": FAINT, "ytick.color": FAINT, "axes.linewidth": 0.7,
+                 "svg.hashsalt": "0"}
+
+
+def sheet(title: str, text: str) -> Figure:
+    """An empty picture with its headline and, below it, a text of up to two lines."""
+    figure = Figure((WIDTH, HEIGHT), dpi=DPI, facecolor="white")
+    figure.text(0.02, 0.955, title, fontsize=13.5, fontweight="bold", va="top")
+    figure.text(0.02, 0.875, fill(text, LINE), fontsize=9.5, va="top", linespacing=1.35, color="#444c56")
+    return figure
+
+
+def save(figure: Figure, path: Path) -> None:
+    """As PNG with a palette, which is a third of the size."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png")
+    picture = Image.open(drawn).convert("RGB")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def space(figure: Figure, place: Place, low: Sequence[float], high: Sequence[float],
+          view: tuple[float, float] = (18, -58), zoom: float = 1.35) -> Any:
+    """A frameless view of a part of space; view: degrees."""
+    axes: Any = figure.add_axes(place, projection="3d", computed_zorder=False)
+    axes.set_axis_off()
+    axes.view_init(*view)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(np.subtract(high, low), zoom=zoom)
+    axes.patch.set_alpha(0)
+    return axes
+
+
+def draw_box(axes: Any, centre: Floats, turn: Floats, half: Floats, colour: str, alpha: float = 0.35,
+             **more: Any) -> None:
+    """A box; turn (3, 3): its axes, one a row."""
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    corners = centre + (signs * half) @ turn
+    faces = [corners[[a, b, c, d]] for a, b, c, d in
+             ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))]
+    draw_faces(axes, faces, colour, alpha, **more)
+
+
+def draw_faces(axes: Any, faces: Sequence[Floats], colour: str, alpha: float = 0.35, width: float = 0.9,
+               zorder: float = 2) -> None:
+    """Polygons, each (k, 3), with their edges."""
+    polygons = Poly3DCollection(faces, facecolor=mpl.colors.to_rgba(colour, alpha),
+                                edgecolor=mpl.colors.to_rgba(colour, 0.95), linewidth=width, zorder=zorder)
+    polygons.set_clip_on(False)
+    axes.add_collection3d(polygons)
+
+
+def draw_lines(axes: Any, lines: Sequence[Floats], colour: str, width: float = 1.2, zorder: float = 3) -> None:
+    """Lines through points (k, 3)."""
+    strokes = Line3DCollection(lines, colors=colour, linewidths=width, zorder=zorder)
+    strokes.set_clip_on(False)
+    axes.add_collection3d(strokes)
+
+
+def draw_point(axes: Any, point: Floats, colour: str = INK, size: float = 18) -> None:
+    axes.scatter(*point, color=colour, s=size, depthshade=False, zorder=5, clip_on=False)
+
+
+def draw_name(axes: Any, point: Floats, name: str, colour: str = INK, size: float = 12) -> None:
+    """A name at a point of space, readable on any colour."""
+    halo = [withStroke(linewidth=3, foreground="white")]
+    axes.text(*point, name, color=colour, fontsize=size, fontweight="bold", ha="center", va="center", zorder=9,
+              path_effects=halo)
+
+
+def draw_map(figure: Figure, place: Place, kinds: Integers, colours: Sequence[str], title: str, across: str,
+             up: str = "", alarm: bool = False) -> None:
+    """Kinds of answers (k, k) over two inputs moved by steps of one ulp; [i, j] is i steps up and j steps across."""
+    reach = kinds.shape[0] // 2
+    axes = figure.add_axes(place)
+    axes.imshow(kinds, cmap=ListedColormap(colours), vmin=0, vmax=len(colours) - 1, origin="lower",
+                extent=(-reach - 0.5, reach + 0.5, -reach - 0.5, reach + 0.5), interpolation="nearest")
+    axes.set_title(title, fontsize=10.5, loc="left", pad=6, color=MISSED if alarm else INK, fontweight="bold")
+    axes.set_xlabel(across, fontsize=8.5, labelpad=2)
+    if up:
+        axes.set_ylabel(up, fontsize=8.5, labelpad=1)
+    else:
+        axes.set_yticklabels([])
+    axes.tick_params(length=2, labelsize=7.5)
+
+
+def draw_maps(figure: Figure, plain: Booleans, exact: Booleans, across: str, up: str) -> None:
+    """The map of plain float64 beside that of the exact answer, and what their colours mean."""
+    wrong = int((plain != exact).sum())
+    kinds = np.where(exact, np.where(plain, 0, 2), np.where(plain, 3, 1))
+    title = f"float64: {wrong:,} of {plain.size:,} wrong"
+    draw_map(figure, FIRST_MAP, kinds, list(MEANINGS), title, across, up, wrong > 0)
+    draw_map(figure, SECOND_MAP, np.where(exact, 0, 1), list(MEANINGS), "exact, as drone_sim answers", across)
+    legend(figure, MEANINGS)
+
+
+def legend(figure: Figure, meanings: Mapping[str, str]) -> None:
+    """What the colours mean, in the lower right corner."""
+    kinds = [Patch(facecolor=colour, edgecolor=FAINT, linewidth=0.4, label=text) for colour, text in meanings.items()]
+    figure.legend(handles=kinds, loc="lower right", ncols=len(kinds), frameon=False, fontsize=8.5, handlelength=1.1,
+                  handleheight=1.1, columnspacing=1.4, bbox_to_anchor=(0.995, -0.005))
+
+
+def label(figure: Figure, x: float, y: float, text: str, **more: Any) -> None:
+    figure.text(x, y, text, **{"fontsize": 9, "color": INK, "ha": "center", "va": "center", **more})
