@@ -55,7 +55,8 @@ def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, reject
             KeyValue(key="steps per s", value=f"{rate:.2f}"),
             KeyValue(key="lag given up, s", value=f"{lag:.3f}"),
             KeyValue(key="commands rejected", value=str(rejected)),
-            KeyValue(key="contacts", value=str(world.contact_count)),
+            *(KeyValue(key=f"contacts at level {level}", value=str(count))
+              for level, count in world.contact_counts().items()),
             *(KeyValue(key=f"{name}, us per step", value=f"{us:.1f}") for name, us in world.stage_times().items()),
         ])
     return DiagnosticArray(header=Header(stamp=time_message(time_ns)), status=[status])

@@ -6,6 +6,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from drone_interfaces.msg import CollisionEvents
 from drone_interfaces.msg import Scene as SceneMessage
+from drone_interfaces.srv import SetCollisionLevel
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
@@ -68,7 +69,8 @@ class SimNode(Node):
                                       (ResetSimulation, "reset_simulation", self._on_reset),
                                       (GetSimulationState, "get_simulation_state", self._on_get_state),
                                       (SetSimulationState, "set_simulation_state", self._on_set_state),
-                                      (StepSimulation, "step_simulation", self._on_step)):
+                                      (StepSimulation, "step_simulation", self._on_step),
+                                      (SetCollisionLevel, "set_collision_level", self._on_set_level)):
             self.create_service(service, name, answer)
         self._run(self._build(scene))
         self.create_timer(1.0, self._report, clock=self._wall)
@@ -254,6 +256,17 @@ class SimNode(Node):
         for _ in range(request.steps):
             self._step()
         response.result = Result(result=Result.RESULT_OK)
+        return response
+
+    def _on_set_level(self, request: SetCollisionLevel.Request, response: SetCollisionLevel.Response) -> object:
+        try:
+            self._world.set_collision_level(request.level, request.a, request.b)
+        except ValueError as error:
+            response.message = str(error)
+            return response
+        if self._pacer:
+            self._pacer.restart()  # reading meshes takes a while
+        response.success = True
         return response
 
     # Diagnostics

@@ -89,6 +89,24 @@ class World:
         self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
         self.state.silence[d] = -1  # which the next step makes 0
 
+    def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
+        """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
+
+        level: sphere, obb, octree or triangle. Holds until the scene is reset. Raises ValueError, and mesh.MeshError.
+        """
+        if level not in model.MEETING:
+            raise ValueError(f"level: expected one of {', '.join(model.MEETING)}, got '{level}'")
+        if b and not a:
+            raise ValueError("a: expected an object where b names one")
+        names = self.model.bodies.names
+        for which, name in (("a", a), ("b", b)):
+            if name and name not in names:
+                raise ValueError(f"{which}: no body is called '{name}'; there are {', '.join(names)}")
+        if a == b != "":
+            raise ValueError(f"b: expected another object than '{a}'")
+        self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
+        self.detection.prepare()
+
     def _age_commands(self) -> None:
         self.state.silence += 1
 
@@ -96,6 +114,8 @@ class World:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
         self.detection.clear()
+        self.detection.levels.clear()
+        self.detection.prepare()
         self._events.clear()
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
@@ -114,10 +134,10 @@ class World:
         """Wall time in us that each stage of the last step took."""
         return {stage.name: (self._marks[i + 1] - self._marks[i]) / 1000 for i, stage in enumerate(self.stages)}
 
-    @property
-    def contact_count(self) -> int:
-        """Pairs of bodies that touch or are about to."""
-        return self.detection.manifolds.count
+    def contact_counts(self) -> dict[str, int]:
+        """By level: the contacts of bodies that touch or are about to. Pairs of meshes may have several."""
+        found = self.detection.manifolds
+        return dict(zip(model.MEETING, np.bincount(found.level[: found.count], minlength=4).tolist(), strict=True))
 
     @property
     def events(self) -> list[Event]:

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from drone_sim.collision.contacts import Detection
 from drone_sim.collision.manifold import Manifolds
-from drone_sim.model import OBB
 
 Vector = tuple[float, float, float]
 
@@ -54,14 +53,19 @@ class Events:
 
 def _touching(m: Manifolds) -> dict[tuple[int, int], Event]:
     """Pairs that overlap or push each other; being near is not touching."""
-    touching = {}
+    touching: dict[tuple[int, int], Event] = {}
     for i in range(m.count):
         points = int(m.points[i])
         deepest = int(m.separation[i, :points].argmin())
         depth = -float(m.separation[i, deepest])
         impulse = float(m.total[i, :points].sum())
-        if depth >= 0.0 or impulse > 0.0:
-            a, b = (int(body) for body in m.pair[i])
-            touching[a, b] = Event(Phase.BEGIN, a, b, OBB, tuple(m.point_w[i, deepest].tolist()),
-                                   tuple(m.normal_w[i].tolist()), max(depth, 0.0), impulse)
+        if depth < 0.0 and impulse <= 0.0:
+            continue
+        a, b = (int(body) for body in m.pair[i])
+        event = Event(Phase.BEGIN, a, b, int(m.level[i]), tuple(m.point_w[i, deepest].tolist()),
+                      tuple(m.normal_w[i].tolist()), max(depth, 0.0), impulse)
+        if other := touching.get((a, b)):  # meshes touch on several sides
+            deeper = event if event.depth > other.depth else other
+            event = deeper._replace(impulse=event.impulse + other.impulse)
+        touching[a, b] = event
     return touching

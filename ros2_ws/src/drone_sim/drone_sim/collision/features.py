@@ -18,16 +18,22 @@ CORNER_OF_A, CORNER_OF_B, EDGES = range(3)  # what a contact is made of
 @kernel
 def place(corners, normals, r, px, py, pz, world):
     """Writes a triangle in the world, (10, 3): its corners, then its seven normals; r: nine numbers, row by row."""
-    for i in range(3):
-        x, y, z = corners[i, 0], corners[i, 1], corners[i, 2]
-        world[i, 0] = (r[0] * x + r[1] * y + r[2] * z) + px
-        world[i, 1] = (r[3] * x + r[4] * y + r[5] * z) + py
-        world[i, 2] = (r[6] * x + r[7] * y + r[8] * z) + pz
+    place_corners(corners, r, px, py, pz, world)
     for i in range(7):
         x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
         world[3 + i, 0] = r[0] * x + r[1] * y + r[2] * z
         world[3 + i, 1] = r[3] * x + r[4] * y + r[5] * z
         world[3 + i, 2] = r[6] * x + r[7] * y + r[8] * z
+
+
+@kernel
+def place_corners(corners, r, px, py, pz, world):
+    """Writes the corners of a triangle in the world, rounded as everywhere."""
+    for i in range(3):
+        x, y, z = corners[i, 0], corners[i, 1], corners[i, 2]
+        world[i, 0] = (r[0] * x + r[1] * y + r[2] * z) + px
+        world[i, 1] = (r[3] * x + r[4] * y + r[5] * z) + py
+        world[i, 2] = (r[6] * x + r[7] * y + r[8] * z) + pz
 
 
 @kernel
@@ -72,7 +78,7 @@ def _corner(p, i, face, sign, name, margin, inside, normal, point, separation, f
         m = k + 1 if k < 2 else 0
         ex, ey, ez = face[m, 0] - face[k, 0], face[m, 1] - face[k, 1], face[m, 2] - face[k, 2]
         dx, dy, dz = x - face[k, 0], y - face[k, 1], z - face[k, 2]
-        if (ny * ez - nz * ey) * dx + (nz * ex - nx * ez) * dy + (nx * ey - ny * ex) * dz > 0.0:
+        if (ny * ez - nz * ey) * dx + (nz * ex - nx * ez) * dy + (nx * ey - ny * ex) * dz < 0.0:
             return found  # beyond that edge; on it is inside
     if found < feature.shape[0]:
         own, other = (0, 1) if sign < 0.0 else (1, 0)
@@ -128,3 +134,34 @@ def _edges(a, i, b, j, name, margin, inside, normal, point, separation, feature,
             point[found, 1, k] = b[j, k] + t * (b[j1, k] - b[j, k])
         separation[found], feature[found] = gap, name
     return found + 1
+
+
+@kernel
+def square_distance(x, y, z, t):
+    """Squared distance of a point from a triangle t, a corner a row (Ericson 2005, Real-Time Collision Detection,
+    5.1.5); inf for a triangle without area."""
+    ux, uy, uz = t[1, 0] - t[0, 0], t[1, 1] - t[0, 1], t[1, 2] - t[0, 2]
+    vx, vy, vz = t[2, 0] - t[0, 0], t[2, 1] - t[0, 1], t[2, 2] - t[0, 2]
+    px, py, pz = x - t[0, 0], y - t[0, 1], z - t[0, 2]
+    uu, uv, vv = ux * ux + uy * uy + uz * uz, ux * vx + uy * vy + uz * vz, vx * vx + vy * vy + vz * vz
+    pu, pv = px * ux + py * uy + pz * uz, px * vx + py * vy + pz * vz
+    area = uu * vv - uv * uv
+    if area <= 0.0:
+        return math.inf
+    s, w = vv * pu - uv * pv, uu * pv - uv * pu
+    if s >= 0.0 and w >= 0.0 and s + w <= area:  # over the inside
+        s, w = s / area, w / area
+        return (px - s * ux - w * vx) ** 2 + (py - s * uy - w * vy) ** 2 + (pz - s * uz - w * vz) ** 2
+    first = _from_segment(px, py, pz, ux, uy, uz, pu, uu)
+    second = _from_segment(px, py, pz, vx, vy, vz, pv, vv)
+    ex, ey, ez = vx - ux, vy - uy, vz - uz
+    qx, qy, qz = px - ux, py - uy, pz - uz
+    third = _from_segment(qx, qy, qz, ex, ey, ez, qx * ex + qy * ey + qz * ez, ex * ex + ey * ey + ez * ez)
+    return min(first, second, third)
+
+
+@kernel
+def _from_segment(px, py, pz, ux, uy, uz, pu, uu):
+    """Squared distance of p from the segment of u, from the origin; pu, uu: their products."""
+    s = min(max(pu / uu, 0.0), 1.0)
+    return (px - s * ux) ** 2 + (py - s * uy) ** 2 + (pz - s * uz) ** 2

@@ -24,3 +24,15 @@ def contact(position, axes, half, i, height, margin, point, separation, feature)
         feature[found] = corner
         found += 1
     return found
+
+
+@kernel
+def contact_sphere(position, half, i, height, margin, point, separation, feature):
+    """The lowest point of the bounding sphere of box i, if it is at most `margin` m above the floor: 0 or 1."""
+    radius = (half[i, 0] * half[i, 0] + half[i, 1] * half[i, 1] + half[i, 2] * half[i, 2]) ** 0.5
+    s = position[i, 2] - radius - height
+    if s > margin:
+        return 0
+    point[0, 0], point[0, 1], point[0, 2] = position[i, 0], position[i, 1], height + 0.5 * s
+    separation[0], feature[0] = s, 0
+    return 1

@@ -22,12 +22,13 @@ Narrow = NDArray[np.int32]
 
 
 @kernel
-def bounds(position, axes, half, velocity, dt, margin, low, high):
-    """World AABBs of boxes, grown by `margin` and by the way that each moves in dt; axes: (n, 3, 3), rows."""
+def bounds(position, axes, half, radius, velocity, dt, margin, low, high):
+    """World AABBs of boxes, grown by `margin` and by the way that each moves in dt; axes: (n, 3, 3), rows; they reach
+    at least `radius` (n,) to all sides."""
     for i in range(position.shape[0]):
         for k in range(3):
-            reach = (abs(axes[i, 0, k]) * half[i, 0] + abs(axes[i, 1, k]) * half[i, 1]
-                     + abs(axes[i, 2, k]) * half[i, 2] + margin)
+            reach = max(abs(axes[i, 0, k]) * half[i, 0] + abs(axes[i, 1, k]) * half[i, 1]
+                        + abs(axes[i, 2, k]) * half[i, 2], radius[i]) + margin
             way = velocity[i, k] * dt
             low[i, k] = position[i, k] - reach + min(way, 0.0)
             high[i, k] = position[i, k] + reach + max(way, 0.0)

@@ -8,18 +8,27 @@ from drone_sim.model import OCTREE, UNSAID, Meeting
 
 
 @kernel
-def lookup(a, b, default, own, keys, words):
-    """The word that decides for bodies a < b among n: the pair's own, else the finer of the bodies', else the default.
+def lookup(pair_a, pair_b, default, own, keys, words, level, everything):
+    """Writes the level of each pair a < b, and 1 where it asks for all contacts, 0 for the deepest point alone: the
+    pair's own word, else the finer of the bodies', else the default.
 
-    own: (n,) or UNSAID; keys: (k,) a * n + b, ascending, of the pairs with a word of their own, words: (k,).
+    default: (2,), own: (n, 2), words: (k, 2), each a level and contacts or UNSAID; keys: (k,) a * n + b, ascending, of
+    the pairs with words of their own.
     """
-    if keys.shape[0]:
-        key = a * own.shape[0] + b
-        i = np.searchsorted(keys, key)
-        if i < keys.shape[0] and keys[i] == key and words[i] != UNSAID:
-            return words[i]
-    finer = max(own[a], own[b])
-    return finer if finer != UNSAID else default
+    for i in range(pair_a.shape[0]):
+        a, b = pair_a[i], pair_b[i]
+        at = 0
+        if keys.shape[0]:
+            key = a * own.shape[0] + b
+            at = np.searchsorted(keys, key)
+            named = at < keys.shape[0] and keys[at] == key
+        else:
+            named = False
+        for word, out in ((0, level), (1, everything)):
+            said = words[at, word] if named else UNSAID
+            if said == UNSAID:
+                said = max(own[a, word], own[b, word])
+            out[i] = said if said != UNSAID else default[word]
 
 
 class Levels:
@@ -31,49 +40,46 @@ class Levels:
 
     def clear(self) -> None:
         """Back to what the scene says."""
-        self.default, self.all_contacts = self._meeting.level, self._meeting.all_contacts
-        self.own: Integers = self._meeting.own_level.copy()
-        self._pairs = dict(self._meeting.pairs)
+        meeting = self._meeting
+        self._default = np.array([meeting.level, meeting.all_contacts])
+        self._own: Integers = np.stack([meeting.own_level, meeting.own_contacts], axis=1)
+        self._pairs = dict(meeting.pairs)
         self._sort()
 
     def set(self, level: int, a: int | None = None, b: int | None = None) -> None:
         """Sets the level of a pair of bodies, of all pairs of body a, or of all that say nothing of their own."""
         if a is None:
-            self.default = level
+            self._default[0] = level
         elif b is None:
-            self.own[a] = level
+            self._own[a, 0] = level
         else:
             pair = min(a, b), max(a, b)
             self._pairs[pair] = level, self._pairs.get(pair, (UNSAID, UNSAID))[1]
             self._sort()
 
     def _sort(self) -> None:
-        n = len(self.own)
         pairs = sorted(self._pairs.items())
-        self._keys = np.array([a * n + b for (a, b), _ in pairs], np.int64)
-        self._pair_words = np.array([words for _, words in pairs], np.int64).reshape(-1, 2)
+        self._keys = np.array([a * len(self._own) + b for (a, b), _ in pairs], np.int64)
+        self._words = np.array([words for _, words in pairs], np.int64).reshape(-1, 2)
+
+    def of(self, a: Integers, b: Integers) -> tuple[Integers, Integers]:
+        """Of pairs a < b, (k,) each: the level or NOT_AT_ALL, and 1 where all contacts are asked for."""
+        level, everything = np.empty((2, len(a)), np.int64)
+        lookup(a, b, self._default, self._own, self._keys, self._words, level, everything)
+        return level, everything
 
     @property
-    def of_level(self) -> tuple[int, Integers, Integers, Integers]:
-        """What `lookup` needs to tell a pair's level."""
-        return self.default, self.own, self._keys, self._pair_words[:, 0]
-
-    @property
-    def of_contacts(self) -> tuple[int, Integers, Integers, Integers]:
-        """What `lookup` needs to tell whether a pair asks for all contacts (1) or the deepest point (0)."""
-        return self.all_contacts, self._meeting.own_contacts, self._keys, self._pair_words[:, 1]
-
-    def at(self, a: int, b: int) -> int:
-        """The level that bodies a and b meet at, or NOT_AT_ALL."""
-        return int(lookup(min(a, b), max(a, b), *self.of_level))
+    def default(self) -> int:
+        """The level of all that say nothing of their own."""
+        return int(self._default[0])
 
     def uses(self, level: int) -> bool:
         """Whether any pair may meet at this level."""
-        return level in (self.default, *self.own.tolist(), *self._pair_words[:, 0].tolist())
+        return level == self.default or level in self._own[:, 0] or level in self._words[:, 0]
 
     def meshes(self) -> Integers:
         """The bodies, ascending, of which the triangles may be asked for."""
+        if self.default >= OCTREE or (self._own[:, 0] >= OCTREE).any():
+            return np.arange(len(self._own))  # each may meet one that is finer
         named = {body for pair, (level, _) in self._pairs.items() if level >= OCTREE for body in pair}
-        if self.default >= OCTREE or (self.own >= OCTREE).any():
-            named |= set(range(len(self.own)))  # each may meet one that is finer
         return np.array(sorted(named), np.int64)

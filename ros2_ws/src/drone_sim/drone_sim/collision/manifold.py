@@ -8,14 +8,21 @@ from drone_sim.kernel import kernel
 POINTS = 8  # of a manifold, at most
 HAIR = 1e-9  # of a face's size
 STEEP = 1e-100  # m, m2: what is shorter or smaller than this is cut nowhere
+SAME_SIDE = 0.9  # cosine of the angle up to which a contact is still that of the step before
 
 
 class Manifolds:
-    """Contacts between bodies a < b, in the order of (a, b). Points beyond `points[i]` of manifold i hold nothing."""
+    """Contacts between bodies a < b: those of boxes, spheres and floors, then those of meshes, of which a pair may have
+    several, then those of fast bodies; each part in the order of (a, b). Beyond `points[i]` points of manifold i hold
+    nothing."""
 
     def __init__(self, capacity: int) -> None:
         self.count = 0
+        self.mesh_start = 0  # the first manifold of meshes
+        self.swept_start = 0  # the first one that was found ahead, where fast bodies will meet within the step
         self.pair: Integers = np.empty((capacity, 2), np.int64)  # a, b
+        self.origin_w: Floats = np.empty((capacity, 2, 3))  # m, centres of a and b where they meet
+        self.level: Integers = np.empty(capacity, np.int64)  # at which the two met
         self.points: Integers = np.empty(capacity, np.int64)  # how many
         self.normal_w: Floats = np.empty((capacity, 3))  # unit, from a to b
         self.point_w: Floats = np.empty((capacity, POINTS, 3))  # m, midway between the surfaces
@@ -28,24 +35,56 @@ class Manifolds:
     def capacity(self) -> int:
         return len(self.points)
 
+    def empty(self) -> None:
+        """Forgets all contacts."""
+        self.count = self.mesh_start = self.swept_start = 0
+
+    def with_room(self, more: int) -> "Manifolds":
+        """These, or a larger copy that holds so many more."""
+        if self.count + more <= self.capacity:
+            return self
+        larger = Manifolds(2 * (self.count + more))
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                getattr(larger, name)[: self.count] = value[: self.count]
+            else:
+                setattr(larger, name, value)
+        return larger
+
+    def start_from(self, old: "Manifolds") -> None:
+        """Takes over the impulses of the step before where a contact goes on."""
+        self.impulse[self.swept_start : self.count] = 0.0
+        for first, count, old_first, old_count in (
+                (0, self.mesh_start, 0, old.mesh_start),
+                (self.mesh_start, self.swept_start, old.mesh_start, old.swept_start)):
+            if count > first:
+                carry_over(first, count, self.pair, self.points, self.normal_w, self.feature, self.impulse,
+                           old_first, old_count, old.pair, old.points, old.normal_w, old.feature, old.impulse)
+
 
 @kernel
-def carry_over(count, pair, points, feature, impulse, old_count, old_pair, old_points, old_feature, old_impulse):
-    """Starts each point with the impulses that the point of the same pair and feature ended the last step with."""
-    old = 0
-    for i in range(count):
+def carry_over(first, count, pair, points, normal, feature, impulse, old_first, old_count, old_pair, old_points,
+               old_normal, old_feature, old_impulse):
+    """Starts each point of manifolds first to count with the impulses that the point of the same pair and feature, and
+    of nearly the same normal, ended the last step with. Both stand in the order of their pairs."""
+    old = old_first
+    for i in range(first, count):
         a, b = pair[i, 0], pair[i, 1]
         while old < old_count and (old_pair[old, 0] < a or (old_pair[old, 0] == a and old_pair[old, 1] < b)):
             old += 1
-        known = old < old_count and old_pair[old, 0] == a and old_pair[old, 1] == b
         for k in range(points[i]):
             impulse[i, k, 0] = impulse[i, k, 1] = impulse[i, k, 2] = 0.0
-            if known:
-                for m in range(old_points[old]):
-                    if old_feature[old, m] == feature[i, k]:
-                        for c in range(3):
-                            impulse[i, k, c] = old_impulse[old, m, c]
-                        break
+        known = old
+        while known < old_count and old_pair[known, 0] == a and old_pair[known, 1] == b:
+            if (normal[i, 0] * old_normal[known, 0] + normal[i, 1] * old_normal[known, 1]
+                    + normal[i, 2] * old_normal[known, 2]) > SAME_SIDE:
+                for k in range(points[i]):
+                    for m in range(old_points[known]):
+                        if old_feature[known, m] == feature[i, k]:
+                            for c in range(3):
+                                impulse[i, k, c] = old_impulse[known, m, c]
+                            break
+            known += 1
 
 
 @kernel

@@ -15,7 +15,7 @@ from drone_sim.collision.octree import DEPTH, FAR, Octree
 from drone_sim.kernel import kernel
 
 BOXES, SURFACES = 2, 3  # what is asked: whether leaf boxes meet (octree level), whether triangles do (triangle level),
-MEETING, NEAR = 4, 5  # which triangles meet, and which pairs of triangles come near
+MEETING, NEAR, NEAR_LEAVES = 4, 5, 6  # which triangles meet, which pairs of triangles come near, which of leaves
 
 STACK = 2 * DEPTH * (tight.LANES - 1) + 1  # opening a node takes one pair off and puts at most eight on
 UNIT = 1e-3  # how far from 1 the length of a quaternion may be
@@ -129,6 +129,10 @@ def walk(a, root_a, pose_a, b, root_b, pose_b, ask, margin, spare, pairs, found)
             if ask == BOXES:
                 if _boxes_meet(a.box, node_a, pose_a, pad_a, b.box, node_b, pose_b, pad_b):
                     return found + 1
+            elif ask == NEAR_LEAVES:
+                if found < pairs.shape[0]:
+                    pairs[found, 0], pairs[found, 1] = node_a, node_b
+                found += 1
             else:
                 found = _leaves(a, node_a, pose_a, b, node_b, pose_b, ask, margin, noise, spare, pairs, found)
                 if ask == SURFACES and found > 0:
@@ -159,7 +163,7 @@ def walk(a, root_a, pose_a, b, root_b, pose_b, ask, margin, spare, pairs, found)
 @kernel
 def _children(wide, g, boxes, node, frames, s, slack, size, ask, q):
     """Which children, as bits, may meet the other node, and the number of one of these that should be tried first."""
-    if ask == BOXES:
+    if ask in (BOXES, NEAR_LEAVES):
         q[0], q[1], q[2] = relative.seen(frames, s, boxes[node, 15], boxes[node, 16], boxes[node, 17])
         q[3], q[4], q[5] = boxes[node, 18] + slack, boxes[node, 19] + slack, boxes[node, 20] + slack
         for k in range(9):

@@ -63,7 +63,7 @@ def _effective_mass(inverse_mass, tensor, a, b, ra, rb, x, y, z):
 
 
 @kernel
-def prepare(count, pair, points, normal, point, position, velocity, angular, inverse_mass, tensor, anchor, frame,
+def prepare(count, pair, points, normal, point, origin, velocity, angular, inverse_mass, tensor, anchor, frame,
             mass, speed):
     """For every contact point writes its anchors on a and b (2 vectors, world), their effective masses along the
     normal and two tangents, and the speed at which they part. For every manifold: frame, rows normal and tangents."""
@@ -76,8 +76,8 @@ def prepare(count, pair, points, normal, point, position, velocity, angular, inv
             frame[i, 1, c], frame[i, 2, c] = basis[c], basis[3 + c]
         for k in range(points[i]):
             for c in range(3):
-                anchor[i, k, 0, c] = point[i, k, c] - position[a, c]
-                anchor[i, k, 1, c] = point[i, k, c] - position[b, c]
+                anchor[i, k, 0, c] = point[i, k, c] - origin[i, 0, c]
+                anchor[i, k, 1, c] = point[i, k, c] - origin[i, 1, c]
             for axis in range(3):
                 mass[i, k, axis] = _effective_mass(inverse_mass, tensor, a, b, anchor[i, k, 0], anchor[i, k, 1],
                                                    frame[i, axis, 0], frame[i, axis, 1], frame[i, axis, 2])
@@ -241,7 +241,7 @@ class Motion:
             self._grow(m.capacity)
         inverse_inertia(s.orientation_w, bodies.inertia_b, bodies.inverse_mass, self._tensor)
         moving = (s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, self._tensor)
-        prepare(m.count, m.pair, m.points, m.normal_w, m.point_w, s.position_w, *moving,
+        prepare(m.count, m.pair, m.points, m.normal_w, m.point_w, m.origin_w, *moving,
                 self._anchor, self._frame, self._mass, self._speed)
         m.total[: m.count] = 0.0
         self._start[:] = s.position_w

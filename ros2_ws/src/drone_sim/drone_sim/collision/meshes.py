@@ -1,0 +1,122 @@
+"""Narrow phase of a step for meshes: the pairs at levels OCTREE and TRIANGLE, their contacts grouped for the solver."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drone_sim import mesh
+from drone_sim.arrays import Booleans, Floats, Integers
+from drone_sim.collision import octree, surface, traversal
+from drone_sim.collision.manifold import POINTS, Manifolds
+from drone_sim.collision.mesh_contacts import floor_contacts, leaf_contacts, triangle_contacts
+from drone_sim.collision.narrow import margin_of
+from drone_sim.collision.reduction import MOST, reduce
+from drone_sim.kernel import kernel
+from drone_sim.model import OCTREE, Model
+from drone_sim.state import State
+
+
+class Raw(NamedTuple):
+    """Contacts of one pair, and room to work in."""
+
+    near: NDArray[np.int32]  # (m, 2) triangles or leaves
+    normal: Floats  # (k, 3) unit, from a to b
+    point: Floats  # (k, 2, 3) m, on a and on b
+    separation: Floats  # (k,) m
+    feature: Integers  # (k,)
+    free: Booleans  # (k,)
+    spread: Floats  # (k,)
+    placed: Floats  # (2, 10, 3)
+    spot: Floats  # (2, 3)
+    turn: Floats  # (2, 3, 3)
+    size: Floats  # (2, 3)
+    work: Floats  # (3, 15)
+
+
+def _raw(near: int, contacts: int) -> Raw:
+    return Raw(np.empty((near, 2), np.int32), np.empty((contacts, 3)), np.empty((contacts, 2, 3)), np.empty(contacts),
+               np.empty(contacts, np.int64), np.empty(contacts, np.bool_), np.empty(contacts), np.empty((2, 10, 3)),
+               np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3)), np.empty((3, 15)))
+
+
+@kernel
+def find_contacts(poses, position, axes, velocity, dt, pair_a, pair_b, floor_height, level, everything, tree, normals,
+                  owned, roots, spare, raw, pair, points, normal, point, separation, feature, origin, met, found):
+    """Appends the manifolds of the pairs after the first `found`; returns how many there are, and how many pairs and
+    contacts the raw buffers would have to hold if one of them was too small (0, 0 if not)."""
+    for k in range(pair_a.shape[0]):
+        a, b = pair_a[k], pair_b[k]
+        margin = margin_of(velocity, a, b, dt)
+        first = found
+        if not np.isnan(floor_height[k]):
+            body = b if roots[a] < 0 else a
+            root = tree.link[roots[body]]
+            count = floor_contacts(position, axes, body, floor_height[k], root[2], root[3], tree.corners, owned,
+                                   margin, raw.normal, raw.point, raw.separation, raw.feature)
+            if body == a:
+                raw.normal[:count] *= -1.0
+        else:
+            ask = traversal.NEAR_LEAVES if level[k] == OCTREE else traversal.NEAR
+            near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b], ask, margin, spare, raw.near, 0)
+            if near > raw.near.shape[0]:
+                return found, near, 0
+            if level[k] == OCTREE:
+                count = leaf_contacts(position, axes, a, b, raw.near, near, tree.box, margin, raw.spot, raw.turn,
+                                      raw.size, raw.work, normal[found], point[found], separation[found],
+                                      feature[found], raw.normal, raw.point, raw.separation, raw.feature)
+            else:
+                count = triangle_contacts(position, axes, a, b, raw.near, near, tree.corners, normals, owned, margin,
+                                          raw.placed, raw.normal, raw.point, raw.separation, raw.feature)
+        if count > raw.separation.shape[0]:
+            return found, 0, count
+        most, most_points = (MOST, POINTS) if everything[k] else (1, 1)
+        found += reduce(count, raw.normal, raw.point, raw.separation, raw.feature, most, most_points, raw.free,
+                        raw.spread, normal[found:], point[found:], separation[found:], feature[found:], points[found:])
+        for i in range(first, found):
+            pair[i, 0], pair[i, 1], met[i] = a, b, level[k]
+            for c in range(3):
+                origin[i, 0, c], origin[i, 1, c] = position[a, c], position[b, c]
+    return found, 0, 0
+
+
+class Meshes:
+    """The meshes of some bodies, in the frames of their boxes' centres."""
+
+    def __init__(self, model: Model, bodies: Integers) -> None:
+        """Reads the models of these bodies, (k,) ascending. Raises mesh.MeshError."""
+        self.bodies = bodies
+        floors = [plane.body for plane in model.floors]
+        shapes: dict[tuple[object, bytes], int] = {}
+        trees: list[octree.Octree] = []
+        which = np.full(model.bodies.count, -1)
+        for body in bodies:
+            if body in floors or not model.bodies.solid[body]:
+                continue
+            key = model.paths[body], model.bodies.centre_b[body].tobytes()
+            if key not in shapes:
+                shapes[key] = len(trees)
+                vertices, faces = mesh.surface(model.paths[body])
+                trees.append(octree.of(vertices - model.bodies.centre_b[body], faces))
+            which[body] = shapes[key]
+        self.tree, roots = octree.join(trees)
+        self._roots = np.where(which >= 0, roots[which], -1)
+        described = [surface.describe(tree.corners) for tree in trees]
+        self._normals, self._owned = (np.concatenate(parts) for parts in zip(*described, strict=True))
+        self._spare, self._raw = traversal.scratch(), _raw(1024, 256)
+
+    def find(self, manifolds: Manifolds, state: State, axes: Floats, dt: float, pair_a: Integers, pair_b: Integers,
+             floor_height: Floats, level: Integers, everything: Integers) -> Manifolds:
+        """Appends the contacts of the pairs; returns the manifolds, or a larger copy of them."""
+        m = manifolds.with_room(MOST * len(pair_a))
+        poses = np.concatenate([state.position_w, state.orientation_w], axis=1)
+        while True:
+            found, near, contacts = find_contacts(
+                poses, state.position_w, axes, state.velocity_w, dt, pair_a, pair_b, floor_height, level, everything,
+                self.tree, self._normals, self._owned, self._roots, self._spare, self._raw, m.pair, m.points,
+                m.normal_w, m.point_w, m.separation, m.feature, m.origin_w, m.level, m.count)
+            if not near and not contacts:
+                break
+            self._raw = _raw(max(2 * near, len(self._raw.near)), max(2 * contacts, len(self._raw.separation)))
+        m.count = m.swept_start = found
+        return m
