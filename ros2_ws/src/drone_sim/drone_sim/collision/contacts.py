@@ -4,12 +4,15 @@ import numpy as np
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision import grid
+from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels
-from drone_sim.collision.manifold import Manifolds
+from drone_sim.collision.manifold import Manifolds, anchor
 from drone_sim.collision.meshes import Meshes
-from drone_sim.collision.narrow import MARGIN, axes_of, find_contacts
+from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_contacts, margins
 from drone_sim.model import OCTREE, SPHERE, Model
 from drone_sim.state import State
+
+Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, floor's height, level, all or not, margin
 
 
 class Detection:
@@ -24,12 +27,14 @@ class Detection:
         self._grid = grid.Grid(bodies.half[bodies.solid])
         self._low, self._high = np.empty((2, bodies.count, 3))
         self._scratch = np.empty((3, 15))
-        self._half = bodies.half.copy()
-        self._half[[plane.body for plane in model.floors]] = np.inf
+        half = bodies.half.copy()
+        half[[plane.body for plane in model.floors]] = np.inf
+        self._now = Placed(np.arange(bodies.count), state.position_w, state.orientation_w, self.axes, half)
         on_floor = np.flatnonzero(bodies.movable & bodies.solid)
         self._floor_pairs = np.array([sorted((i, plane.body)) for plane in model.floors for i in on_floor],
                                      np.int64).reshape(-1, 2)
         self._floor_heights = np.repeat([plane.height for plane in model.floors], len(on_floor)).astype(np.float64)
+        self._impacts = Impacts(bodies.half, dt)
         self._meshes: Meshes | None = None
         self.prepare()
 
@@ -48,29 +53,52 @@ class Detection:
     def __call__(self) -> None:
         state, bodies = self._state, self._model.bodies
         self.manifolds, self._last = self._last, self.manifolds
+        self.manifolds.empty()
         axes_of(state.orientation_w, self.axes)
         grid.bounds(state.position_w, self.axes, bodies.half, self._radius, state.velocity_w, self._dt, MARGIN,
                     self._low, self._high)
+        quick = self._impacts.look(state)
         a, b, height = self._candidates()
         level, everything = self.levels.of(a, b)
-        self.manifolds.empty()
-        if self._meshes:
-            fine = level >= OCTREE
-            self._find(a[~fine], b[~fine], height[~fine], level[~fine], everything[~fine])
-            self.manifolds = self._meshes.find(self.manifolds, state, self.axes, self._dt, a[fine], b[fine],
-                                               height[fine], level[fine], everything[fine])
-        else:
-            self._find(a, b, height, level, everything)
+        margin, swept = np.empty(len(a)), np.empty(len(a), np.bool_)
+        ahead = margins(a, b, height, state.velocity_w, self._dt, self._impacts.quick, margin, swept)
+        pairs = a, b, height, level, everything, margin
+        self._find_rough(self._now, pairs)
+        self.manifolds.mesh_start = self.manifolds.count
+        self._find_fine(self._now, pairs)
+        m = self.manifolds
+        m.swept_start = m.count
+        anchor(m.count, m.pair, m.points, m.point_w, state.position_w, m.anchor_w)
+        if quick and ahead:
+            self._find_ahead(_only(swept & (level >= SPHERE), pairs))
         self.manifolds.start_from(self._last)
 
-    def _find(self, a: Integers, b: Integers, height: Floats, level: Integers, everything: Integers) -> None:
-        """Finds the contacts of boxes, spheres and floors."""
-        new, state = self.manifolds.with_room(len(a)), self._state
-        self.manifolds = new
-        new.count = find_contacts(state.position_w, self.axes, self._half, state.velocity_w, self._dt, a, b, height,
-                                  level, everything, self._scratch, new.pair, new.points, new.normal_w, new.point_w,
-                                  new.separation, new.feature, new.origin_w, new.level)
-        new.mesh_start = new.swept_start = new.count
+    def _find_rough(self, placed: Placed, pairs: Pairs) -> None:
+        """Appends the contacts of placed spheres, boxes and floors."""
+        if self._meshes:
+            pairs = _only(pairs[3] < OCTREE, pairs)
+        m = self.manifolds = self.manifolds.with_room(len(pairs[0]))
+        m.count = find_contacts(placed.position, placed.axes, placed.half, *pairs, self._scratch, m.pair, m.points,
+                                m.normal_w, m.point_w, m.separation, m.feature, m.level, m.count)
+
+    def _find_fine(self, placed: Placed, pairs: Pairs) -> None:
+        """Appends the contacts of placed meshes."""
+        if self._meshes:
+            fine = _only(pairs[3] >= OCTREE, pairs)
+            if len(fine[0]):
+                self.manifolds = self._meshes.find(self.manifolds, placed, *fine)
+
+    def _find_ahead(self, pairs: Pairs) -> None:
+        """Appends the contacts that fast bodies will have within the step."""
+        placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
+        if not len(meeting):
+            return
+        _, _, height, level, everything, margin = _only(meeting, pairs)
+        first = 2 * np.arange(len(meeting))
+        there = first, first + 1, height, level, everything, margin
+        self._find_rough(placed, there)
+        self._find_fine(placed, there)
+        self._impacts.bring_back(self.manifolds, placed, self._state)
 
     def sectors(self) -> tuple[Floats, Floats]:
         """Lowest corners (k, 3) and edges (k,) in m of the sectors that bodies stand in which can move, each once."""
@@ -87,3 +115,9 @@ class Detection:
         height = np.concatenate([np.full(len(a) - len(self._floor_heights), np.nan), self._floor_heights])
         order = np.lexsort((b, a))
         return a[order], b[order], height[order]
+
+
+def _only(which: Integers | np.ndarray, pairs: Pairs) -> Pairs:
+    """Those pairs, by mask or index."""
+    a, b, height, level, everything, margin = pairs
+    return a[which], b[which], height[which], level[which], everything[which], margin[which]

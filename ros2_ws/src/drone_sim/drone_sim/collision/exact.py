@@ -7,6 +7,7 @@ call it only where their own error bounds leave the answer open. All numbers giv
 """
 
 import math
+from itertools import permutations
 
 import numpy as np
 
@@ -16,6 +17,12 @@ BITS = 27  # of a digit; columns of four products of digits stay far below the 6
 MASK = (1 << BITS) - 1
 MANTISSA = 2.0**53
 LOWEST = 4 * (-1073 - 53)  # exponent of the last bit of four mantissas of the smallest subnormal
+# The terms of determinants as loops, not line by line: all that calls them compiles much faster. Columns of ORDERS:
+# which part of u, of v and of w, and the sign; of MINORS: which of four points gives x, y and z, and the sign.
+ORDERS = np.array([(*order, round(np.linalg.det(np.eye(3)[list(order)]))) for order in permutations(range(3))])
+MINORS = np.array([(*(three[part] for part in order), sign * turn)
+                   for three, sign in (((1, 2, 3), 1), ((0, 2, 3), -1), ((0, 1, 3), 1), ((0, 1, 2), -1))
+                   for *order, turn in ORDERS.tolist()])
 DIGITS = (4 * 1024 - LOWEST) // BITS + 8  # up to the product of the four largest numbers, and room for carries
 
 
@@ -86,22 +93,18 @@ def sign(acc):
 @kernel
 def add_det(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
     """Adds sign * scale * det[u, v, w], rows."""
-    add(acc, sign, scale, ux, vy, wz)
-    add(acc, -sign, scale, ux, vz, wy)
-    add(acc, sign, scale, uy, vz, wx)
-    add(acc, -sign, scale, uy, vx, wz)
-    add(acc, sign, scale, uz, vx, wy)
-    add(acc, -sign, scale, uz, vy, wx)
+    u, v, w = (ux, uy, uz), (vx, vy, vz), (wx, wy, wz)
+    for i in range(6):
+        add(acc, sign * ORDERS[i, 3], scale, u[ORDERS[i, 0]], v[ORDERS[i, 1]], w[ORDERS[i, 2]])
 
 
 @kernel
 def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     """The sign of det[b - a, c - a, d - a]: 1 where d sees a, b, c turn counter-clockwise, 0: coplanar."""
     acc = zeros()
-    add_det(acc, 1, 1.0, bx, by, bz, cx, cy, cz, dx, dy, dz)
-    add_det(acc, -1, 1.0, ax, ay, az, cx, cy, cz, dx, dy, dz)
-    add_det(acc, 1, 1.0, ax, ay, az, bx, by, bz, dx, dy, dz)
-    add_det(acc, -1, 1.0, ax, ay, az, bx, by, bz, cx, cy, cz)
+    x, y, z = (ax, bx, cx, dx), (ay, by, cy, dy), (az, bz, cz, dz)
+    for i in range(24):
+        add(acc, MINORS[i, 3], 1.0, x[MINORS[i, 0]], y[MINORS[i, 1]], z[MINORS[i, 2]])
     return sign(acc)
 
 
@@ -109,10 +112,8 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
 def orient2d(ax, ay, bx, by, cx, cy):
     """The sign of det[b - a, c - a]: 1 where a, b, c turn counter-clockwise, 0 where they are on one line."""
     acc = zeros()
-    add(acc, 1, bx, cy, 1.0, 1.0)
-    add(acc, -1, by, cx, 1.0, 1.0)
-    add(acc, 1, ax, by, 1.0, 1.0)
-    add(acc, -1, ay, bx, 1.0, 1.0)
-    add(acc, -1, ax, cy, 1.0, 1.0)
-    add(acc, 1, ay, cx, 1.0, 1.0)
+    x, y = (ax, bx, cx), (ay, by, cy)
+    for i in range(6):  # x[i] y[k] for i before k in a, b, c, a, and the opposite for i after k
+        first, second = (i // 2, (i // 2 + 1) % 3) if i % 2 == 0 else ((i // 2 + 1) % 3, i // 2)
+        add(acc, 1 - 2 * (i % 2), x[first], y[second], 1.0, 1.0)
     return sign(acc)

@@ -21,11 +21,11 @@ class Manifolds:
         self.mesh_start = 0  # the first manifold of meshes
         self.swept_start = 0  # the first one that was found ahead, where fast bodies will meet within the step
         self.pair: Integers = np.empty((capacity, 2), np.int64)  # a, b
-        self.origin_w: Floats = np.empty((capacity, 2, 3))  # m, centres of a and b where they meet
         self.level: Integers = np.empty(capacity, np.int64)  # at which the two met
         self.points: Integers = np.empty(capacity, np.int64)  # how many
         self.normal_w: Floats = np.empty((capacity, 3))  # unit, from a to b
         self.point_w: Floats = np.empty((capacity, POINTS, 3))  # m, midway between the surfaces
+        self.anchor_w: Floats = np.empty((capacity, POINTS, 2, 3))  # m, from the centres of a and b, as the step starts
         self.separation: Floats = np.empty((capacity, POINTS))  # m, negative where they overlap
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)  # names a point from step to step
         self.impulse: Floats = np.empty((capacity, POINTS, 3))  # N s: along the normal and two tangents, per sub-step
@@ -60,6 +60,16 @@ class Manifolds:
             if count > first:
                 carry_over(first, count, self.pair, self.points, self.normal_w, self.feature, self.impulse,
                            old_first, old_count, old.pair, old.points, old.normal_w, old.feature, old.impulse)
+
+
+@kernel
+def anchor(count, pair, points, point, position, anchors):
+    """Writes for the points of all manifolds where they are from the centres of the two bodies."""
+    for i in range(count):
+        for k in range(points[i]):
+            for side in range(2):
+                for c in range(3):
+                    anchors[i, k, side, c] = point[i, k, c] - position[pair[i, side], c]
 
 
 @kernel

@@ -10,11 +10,10 @@ from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision import octree, surface, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
 from drone_sim.collision.mesh_contacts import floor_contacts, leaf_contacts, triangle_contacts
-from drone_sim.collision.narrow import margin_of
+from drone_sim.collision.narrow import Placed
 from drone_sim.collision.reduction import MOST, reduce
 from drone_sim.kernel import kernel
 from drone_sim.model import OCTREE, Model
-from drone_sim.state import State
 
 
 class Raw(NamedTuple):
@@ -41,13 +40,13 @@ def _raw(near: int, contacts: int) -> Raw:
 
 
 @kernel
-def find_contacts(poses, position, axes, velocity, dt, pair_a, pair_b, floor_height, level, everything, tree, normals,
-                  owned, roots, spare, raw, pair, points, normal, point, separation, feature, origin, met, found):
+def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, everything, margins, tree, normals,
+                  owned, roots, spare, raw, pair, points, normal, point, separation, feature, met, found):
     """Appends the manifolds of the pairs after the first `found`; returns how many there are, and how many pairs and
     contacts the raw buffers would have to hold if one of them was too small (0, 0 if not)."""
     for k in range(pair_a.shape[0]):
         a, b = pair_a[k], pair_b[k]
-        margin = margin_of(velocity, a, b, dt)
+        margin = margins[k]
         first = found
         if not np.isnan(floor_height[k]):
             body = b if roots[a] < 0 else a
@@ -75,8 +74,6 @@ def find_contacts(poses, position, axes, velocity, dt, pair_a, pair_b, floor_hei
                         raw.spread, normal[found:], point[found:], separation[found:], feature[found:], points[found:])
         for i in range(first, found):
             pair[i, 0], pair[i, 1], met[i] = a, b, level[k]
-            for c in range(3):
-                origin[i, 0, c], origin[i, 1, c] = position[a, c], position[b, c]
     return found, 0, 0
 
 
@@ -100,23 +97,23 @@ class Meshes:
                 trees.append(octree.of(vertices - model.bodies.centre_b[body], faces))
             which[body] = shapes[key]
         self.tree, roots = octree.join(trees)
-        self._roots = np.where(which >= 0, roots[which], -1)
+        self.roots = np.where(which >= 0, roots[which], -1)
         described = [surface.describe(tree.corners) for tree in trees]
         self._normals, self._owned = (np.concatenate(parts) for parts in zip(*described, strict=True))
         self._spare, self._raw = traversal.scratch(), _raw(1024, 256)
 
-    def find(self, manifolds: Manifolds, state: State, axes: Floats, dt: float, pair_a: Integers, pair_b: Integers,
-             floor_height: Floats, level: Integers, everything: Integers) -> Manifolds:
+    def find(self, manifolds: Manifolds, placed: Placed, pair_a: Integers, pair_b: Integers, floor_height: Floats,
+             level: Integers, everything: Integers, margin: Floats) -> Manifolds:
         """Appends the contacts of the pairs; returns the manifolds, or a larger copy of them."""
         m = manifolds.with_room(MOST * len(pair_a))
-        poses = np.concatenate([state.position_w, state.orientation_w], axis=1)
+        poses = np.concatenate([placed.position, placed.orientation], axis=1)
         while True:
             found, near, contacts = find_contacts(
-                poses, state.position_w, axes, state.velocity_w, dt, pair_a, pair_b, floor_height, level, everything,
-                self.tree, self._normals, self._owned, self._roots, self._spare, self._raw, m.pair, m.points,
-                m.normal_w, m.point_w, m.separation, m.feature, m.origin_w, m.level, m.count)
+                poses, placed.position, placed.axes, pair_a, pair_b, floor_height, level, everything, margin, self.tree,
+                self._normals, self._owned, self.roots[placed.body], self._spare, self._raw, m.pair, m.points,
+                m.normal_w, m.point_w, m.separation, m.feature, m.level, m.count)
             if not near and not contacts:
                 break
             self._raw = _raw(max(2 * near, len(self._raw.near)), max(2 * contacts, len(self._raw.separation)))
-        m.count = m.swept_start = found
+        m.count = found
         return m

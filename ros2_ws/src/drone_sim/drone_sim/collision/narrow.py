@@ -1,13 +1,26 @@
 """Narrow phase of a step for what is not a mesh: boxes, spheres and floors, pair by pair."""
 
+from typing import NamedTuple
+
 import numpy as np
 
+from drone_sim.arrays import Floats, Integers
 from drone_sim.collision import floor, obb, sphere
 from drone_sim.kernel import kernel
 from drone_sim.model import SPHERE
 from drone_sim.rotation import matrix
 
 MARGIN = 0.01  # m; pairs this close are contacts already, so that resting ones do not come and go
+
+
+class Placed(NamedTuple):
+    """Bodies where they are; SI units, frame of the world."""
+
+    body: Integers  # (n,) which of the scene's
+    position: Floats  # (n, 3) of the boxes' centres
+    orientation: Floats  # (n, 4) x y z w
+    axes: Floats  # (n, 3, 3) of the boxes, one a row
+    half: Floats  # (n, 3) of the boxes; inf: a floor
 
 
 @kernel
@@ -20,12 +33,21 @@ def axes_of(orientation, axes):
 
 
 @kernel
-def margin_of(velocity, a, b, dt):
-    """How far apart two bodies are contacts: the way that they may approach in a step, and MARGIN."""
-    square = 0.0
-    for c in range(3):
-        square += (velocity[b, c] - velocity[a, c]) ** 2
-    return MARGIN + dt * np.sqrt(square)
+def margins(pair_a, pair_b, floor_height, velocity, dt, quick, margin, swept):
+    """Writes how far apart the bodies of each pair are contacts: MARGIN and the way that they may approach in a step.
+    Without that way where one is quick and neither a floor: these are marked as swept. Returns how many are."""
+    count = 0
+    for k in range(pair_a.shape[0]):
+        a, b = pair_a[k], pair_b[k]
+        margin[k] = MARGIN
+        swept[k] = (quick[a] or quick[b]) and np.isnan(floor_height[k])
+        count += swept[k]
+        if not swept[k]:
+            square = 0.0
+            for c in range(3):
+                square += (velocity[b, c] - velocity[a, c]) ** 2
+            margin[k] += dt * np.sqrt(square)
+    return count
 
 
 @kernel
@@ -41,16 +63,15 @@ def keep_deepest(point, separation, feature, count):
 
 
 @kernel
-def find_contacts(position, axes, half, velocity, dt, pair_a, pair_b, floor_height, level, everything, scratch,
-                  pair, points, normal, point, separation, feature, origin, met):
-    """Writes the manifolds of pairs at levels SPHERE and OBB and returns how many; a pair whose floor_height is not NaN
-    is a body and a floor. The margin grows by the way that two approach in a step, so that none is passed through."""
-    found = 0
+def find_contacts(position, axes, half, pair_a, pair_b, floor_height, level, everything, margins, scratch,
+                  pair, points, normal, point, separation, feature, met, found):
+    """Appends the manifolds of pairs at levels SPHERE and OBB after the first `found`, returns how many there are then;
+    a pair whose floor_height is not NaN is a body and a floor."""
     for k in range(pair_a.shape[0]):
         if level[k] < SPHERE:
             continue
         a, b = pair_a[k], pair_b[k]
-        margin = margin_of(velocity, a, b, dt)
+        margin = margins[k]
         n, p, s, f = normal[found], point[found], separation[found], feature[found]
         if not np.isnan(floor_height[k]):
             body, up = (b, 1.0) if half[a, 0] == np.inf else (a, -1.0)
@@ -68,8 +89,6 @@ def find_contacts(position, axes, half, velocity, dt, pair_a, pair_b, floor_heig
                 keep_deepest(p, s, f, count)
                 count = 1
             pair[found, 0], pair[found, 1] = a, b
-            for c in range(3):
-                origin[found, 0, c], origin[found, 1, c] = position[a, c], position[b, c]
             points[found], met[found] = count, level[k]
             found += 1
     return found

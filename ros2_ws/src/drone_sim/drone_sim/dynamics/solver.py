@@ -63,9 +63,8 @@ def _effective_mass(inverse_mass, tensor, a, b, ra, rb, x, y, z):
 
 
 @kernel
-def prepare(count, pair, points, normal, point, origin, velocity, angular, inverse_mass, tensor, anchor, frame,
-            mass, speed):
-    """For every contact point writes its anchors on a and b (2 vectors, world), their effective masses along the
+def prepare(count, pair, points, normal, anchor, velocity, angular, inverse_mass, tensor, frame, mass, speed):
+    """For every contact point, from its anchors on a and b (2 vectors, world), writes the effective masses along the
     normal and two tangents, and the speed at which they part. For every manifold: frame, rows normal and tangents."""
     for i in range(count):
         a, b = pair[i, 0], pair[i, 1]
@@ -75,9 +74,6 @@ def prepare(count, pair, points, normal, point, origin, velocity, angular, inver
         for c in range(3):
             frame[i, 1, c], frame[i, 2, c] = basis[c], basis[3 + c]
         for k in range(points[i]):
-            for c in range(3):
-                anchor[i, k, 0, c] = point[i, k, c] - origin[i, 0, c]
-                anchor[i, k, 1, c] = point[i, k, c] - origin[i, 1, c]
             for axis in range(3):
                 mass[i, k, axis] = _effective_mass(inverse_mass, tensor, a, b, anchor[i, k, 0], anchor[i, k, 1],
                                                    frame[i, axis, 0], frame[i, axis, 1], frame[i, axis, 2])
@@ -230,7 +226,6 @@ class Motion:
         self._grow(64)
 
     def _grow(self, capacity: int) -> None:
-        self._anchor = np.empty((capacity, 8, 2, 3))
         self._frame = np.empty((capacity, 3, 3))
         self._mass = np.empty((capacity, 8, 3))
         self._speed = np.empty((capacity, 8))
@@ -241,12 +236,11 @@ class Motion:
             self._grow(m.capacity)
         inverse_inertia(s.orientation_w, bodies.inertia_b, bodies.inverse_mass, self._tensor)
         moving = (s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, self._tensor)
-        prepare(m.count, m.pair, m.points, m.normal_w, m.point_w, m.origin_w, *moving,
-                self._anchor, self._frame, self._mass, self._speed)
+        prepare(m.count, m.pair, m.points, m.normal_w, m.anchor_w, *moving, self._frame, self._mass, self._speed)
         m.total[: m.count] = 0.0
         self._start[:] = s.position_w
         self._turn[:] = (0.0, 0.0, 0.0, 1.0)
-        contacts = (m.count, m.pair, m.points, self._frame, self._anchor)
+        contacts = (m.count, m.pair, m.points, self._frame, m.anchor_w)
         gap = (self._mass, m.separation, m.impulse, bodies.friction, self._start, s.position_w, self._turn)
         for _ in range(self._substeps):
             push(s.orientation_w, s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, bodies.inertia_b,

@@ -1,0 +1,90 @@
+"""Contacts of fast bodies: found ahead, at the poses in which they will meet within the step."""
+
+import numpy as np
+
+from drone_sim.arrays import Floats, Integers
+from drone_sim.collision import sweep
+from drone_sim.collision.advancement import NONE
+from drone_sim.collision.manifold import Manifolds
+from drone_sim.collision.meshes import Meshes
+from drone_sim.collision.narrow import Placed, axes_of
+from drone_sim.kernel import kernel
+from drone_sim.rotation import rotate, turned
+from drone_sim.state import State
+
+NO_TREE = (np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)))
+
+
+@kernel
+def advance(body, time, position, orientation, velocity, spin, out_position, out_orientation):
+    """Writes where each of bodies (k,) will be after its time, s."""
+    for i in range(body.shape[0]):
+        b, t = body[i], time[i]
+        for c in range(3):
+            out_position[i, c] = position[b, c] + velocity[b, c] * t
+        q = turned(orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3],
+                   spin[b, 0], spin[b, 1], spin[b, 2], t)
+        for c in range(4):
+            out_orientation[i, c] = q[c]
+
+
+@kernel
+def bring_back(first, count, pair, points, normal, point, anchor, separation, body, ahead, turn_ahead, position,
+               orientation):
+    """Takes manifolds first to count, found among bodies placed `ahead`, back to the start of the step: anchors turn
+    back with their bodies, and the separation becomes that of the anchors now. pair: in rows of body, then in bodies."""
+    for i in range(first, count):
+        for k in range(points[i]):
+            for side in range(2):
+                row = pair[i, side]
+                b = body[row]
+                p, q = turn_ahead[row], orientation[b]
+                x, y, z = (point[i, k, 0] - ahead[row, 0], point[i, k, 1] - ahead[row, 1],
+                           point[i, k, 2] - ahead[row, 2])
+                x, y, z = rotate(-p[0], -p[1], -p[2], p[3], x, y, z)
+                anchor[i, k, side, 0], anchor[i, k, side, 1], anchor[i, k, side, 2] = rotate(
+                    q[0], q[1], q[2], q[3], x, y, z)
+                sign = -1.0 if side == 1 else 1.0
+                for c in range(3):
+                    way = point[i, k, c] - position[b, c] - anchor[i, k, side, c]
+                    separation[i, k] += sign * normal[i, c] * way
+        for side in range(2):
+            pair[i, side] = body[pair[i, side]]
+
+
+class Impacts:
+    """Finds when fast bodies meet, with its buffers."""
+
+    def __init__(self, half: Floats, dt: float) -> None:
+        """half: (n, 3) half extents of the boxes, m."""
+        self._half, self._dt = half, dt
+        self._room = sweep.room()
+        self.quick = np.zeros(len(half), np.bool_)
+
+    def look(self, state: State) -> bool:
+        """Whether any body is fast; marks those that are."""
+        return bool(sweep.fast(state.velocity_w, state.angular_velocity_w, self._half, self._dt, self.quick))
+
+    def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
+              meshes: Meshes | None) -> tuple[Placed, Integers]:
+        """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2 and
+        3 of the second, and so on."""
+        time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
+        tree = (meshes.tree.box, meshes.tree.link, meshes.tree.corners) if meshes else NO_TREE
+        roots = meshes.roots if meshes else np.full(len(self._half), -1)
+        sweep.sweep_pairs(pair_a, pair_b, state.position_w, state.orientation_w, state.velocity_w,
+                          state.angular_velocity_w, self._half, level, roots, *tree, self._dt, time, outcome,
+                          *self._room)
+        meeting = np.flatnonzero((outcome != NONE) & (time > 0.0))
+        body = np.stack([pair_a[meeting], pair_b[meeting]], axis=1).ravel()
+        position, orientation = np.empty((len(body), 3)), np.empty((len(body), 4))
+        advance(body, np.repeat(time[meeting] * self._dt, 2), state.position_w, state.orientation_w, state.velocity_w,
+                state.angular_velocity_w, position, orientation)
+        axes = np.empty((len(body), 3, 3))
+        axes_of(orientation, axes)
+        return Placed(body, position, orientation, axes, self._half[body]), meeting
+
+    def bring_back(self, m: Manifolds, placed: Placed, state: State) -> None:
+        """Turns the contacts of the placed bodies, from m.swept_start on, into contacts ahead of where they are."""
+        bring_back(m.swept_start, m.count, m.pair, m.points, m.normal_w, m.point_w, m.anchor_w, m.separation,
+                   placed.body, placed.position, placed.orientation, state.position_w, state.orientation_w)
