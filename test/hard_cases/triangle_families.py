@@ -13,10 +13,9 @@ MOVED = np.array([1e6, -1e6, 1e6])  # m
 
 
 def near_contact(rng: Generator, n: int) -> Pairs:
-    """Two random triangles, one moved along a random direction so that about half of the pairs meet."""
+    """Two random triangles, a point or a corner of one near a point of the other."""
     a, b = rng.normal(size=(2, n, 3, 3))
-    # A point of one on a point of the other, but for a gap or an overlap.
-    at_a, at_b = _weights(rng, n) @ a, _weights(rng, n) @ b
+    at_a, at_b = _weights(rng, n) @ a, np.where(rng.random((n, 1, 1)) < 0.6, b[:, :1], _weights(rng, n) @ b)
     return a, b + (at_a - at_b) + rng.normal(size=(n, 1, 3)) * rng.choice([1e-9, 1e-3, 0.3], (n, 1, 1))
 
 
@@ -34,6 +33,7 @@ def touching(rng: Generator, n: int) -> Pairs:
 def coplanar(rng: Generator, n: int) -> Pairs:
     """Both in one plane: exactly (a coordinate equal, or a sum of coordinates 0), or as near as rounding allows."""
     a, b = rng.normal(size=(2, n, 3, 3))
+    b *= rng.choice([0.1, 1.0, 5.0], (n, 1, 1))  # some lie inside the other
     flat = rng.integers(0, 3, n)
     a[np.arange(n), :, flat] = b[np.arange(n), :, flat] = rng.normal(size=(n, 1))
     on_grid = rng.integers(-8, 9, (2, n, 3, 3)) / 8.0

@@ -5,6 +5,8 @@ a point. Two meet if and only if an edge of one meets the other: rounded sums de
 it, `triangle_exact` the rest. Contact and distance are rounded; they hold for sizes between 1e-60 and 1e60 m.
 """
 
+import math
+
 import numpy as np
 
 from drone_sim.arrays import Booleans, Floats, Integers
@@ -13,6 +15,7 @@ from drone_sim.collision.triangle_exact import RELATIVE, TINY, meet_exact
 from drone_sim.kernel import kernel
 
 NO_AREA = 1e-28  # squared sine between two edges below which a triangle has no normal
+STEEP = 1e-6  # squared sine between two normals above which the planes' equations give a good point
 ONE_PLANE = 1e-20  # squared sine between two normals below which the triangles lie in one plane
 
 
@@ -25,7 +28,9 @@ def load(corners, i):
 
 @kernel
 def meet(a, b):
-    """Whether two triangles share a point; each is nine finite numbers, three corners' x y z."""
+    """Whether two triangles share a point, exactly; each is a tuple of nine finite numbers, three corners' x y z (m).
+
+    As numbers and not as arrays: a kernel that is handed an array counts its references, which takes longer."""
     ax0, ay0, az0, ax1, ay1, az1, ax2, ay2, az2 = a
     bx0, by0, bz0, bx1, by1, bz1, bx2, by2, bz2 = b
     alx, ahx = _least(ax0, ax1, ax2), _most(ax0, ax1, ax2)
@@ -141,9 +146,8 @@ def _face(o, p):
     h1 = nx * (p[3] - x) + ny * (p[4] - y) + nz * (p[5] - z)
     h2 = nx * (p[6] - x) + ny * (p[7] - y) + nz * (p[8] - z)
     above, below = _most(h0, h1, h2), -_least(h0, h1, h2)
-    if above < below:
-        return -nx, -ny, -nz, _greater(above, 0.0), -h0, -h1, -h2
-    return nx, ny, nz, _greater(below, 0.0), h0, h1, h2
+    up = math.copysign(1.0, above - below)
+    return up * nx, up * ny, up * nz, _greater(_lesser(above, below), 0.0), up * h0, up * h1, up * h2
 
 
 @kernel
@@ -181,10 +185,22 @@ def _longest(a):
 def _common(a, b, anx, any_, anz, bnx, bny, bnz, s0, s1, s2, t0, t1, t2):
     """The middle of what two triangles have in common, given their unit normals and their corners' heights."""
     x, y, z = any_ * bnz - anz * bny, anz * bnx - anx * bnz, anx * bny - any_ * bnx
-    if x * x + y * y + z * z < ONE_PLANE:
+    square = x * x + y * y + z * z
+    if square < ONE_PLANE:
         _, px, py, pz, qx, qy, qz = closest(a, b)
         return 0.5 * (px + qx), 0.5 * (py + qy), 0.5 * (pz + qz)
     # Each covers an interval on the line in which the planes cross; the greater start and the lesser end count.
+    ox, oy, oz = a[0], a[1], a[2]
+    x1, x2 = _along(a, 3, ox, oy, oz, x, y, z), _along(a, 6, ox, oy, oz, x, y, z)
+    y0, y1, y2 = _along(b, 0, ox, oy, oz, x, y, z), _along(b, 3, ox, oy, oz, x, y, z), _along(b, 6, ox, oy, oz, x, y, z)
+    start_a, end_a = _span(s0, s1, s2, 0.0, x1, x2)
+    start_b, end_b = _span(t0, t1, t2, y0, y1, y2)
+    start, end = _greater(start_a, start_b), _lesser(end_a, end_b)
+    if square > STEEP and -np.inf < start <= end < np.inf:
+        # The point at height 0 over both planes in the middle of both, as seen from a's first corner.
+        p, q = 0.5 * (start + end) / square, -s0 / square
+        return (ox + (p * x + q * (y * anz - z * any_)), oy + (p * y + q * (z * anx - x * anz)),
+                oz + (p * z + q * (x * any_ - y * anx)))
     p0, px, py, pz, p1, qx, qy, qz = _interval(a, s0, s1, s2, x, y, z)
     r0, rx, ry, rz, r1, wx, wy, wz = _interval(b, t0, t1, t2, x, y, z)
     if r0 > p0:
@@ -192,6 +208,22 @@ def _common(a, b, anx, any_, anz, bnx, bny, bnz, s0, s1, s2, t0, t1, t2):
     if r1 < p1:
         qx, qy, qz = wx, wy, wz
     return 0.5 * (px + qx), 0.5 * (py + qy), 0.5 * (pz + qz)
+
+
+@kernel
+def _along(a, k, ox, oy, oz, x, y, z):
+    return (a[k] - ox) * x + (a[k + 1] - oy) * y + (a[k + 2] - oz) * z
+
+
+@kernel
+def _span(h0, h1, h2, x0, x1, x2):
+    """From where to where a triangle crosses height 0, for corners at heights h and places x; empty or infinite if
+    corners only touch it."""
+    p0, p1, p2 = (x0 * h1 - x1 * h0) / (h1 - h0), (x1 * h2 - x2 * h1) / (h2 - h1), (x2 * h0 - x0 * h2) / (h0 - h2)
+    # Infinite for an edge with both ends on one side.
+    m0, m1, m2 = math.copysign(np.inf, h0 * h1), math.copysign(np.inf, h1 * h2), math.copysign(np.inf, h2 * h0)
+    return (_least(_greater(p0, m0), _greater(p1, m1), _greater(p2, m2)),
+            _most(_lesser(p0, -m0), _lesser(p1, -m1), _lesser(p2, -m2)))
 
 
 @kernel
