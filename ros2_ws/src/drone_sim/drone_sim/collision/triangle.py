@@ -27,7 +27,13 @@ def load(corners, i):
 
 
 @kernel
-def meet(a, b):
+def meet(a, i, b, j):
+    """What `touch` answers for triangles a[i] and b[j]; a, b: (n, 3, 3), a corner a row, finite numbers, m."""
+    return touch(load(a, i), load(b, j))
+
+
+@kernel
+def touch(a, b):
     """Whether two triangles share a point, exactly; each is a tuple of nine finite numbers, three corners' x y z (m).
 
     As numbers and not as arrays: a kernel that is handed an array counts its references, which takes longer."""
@@ -251,7 +257,7 @@ def distance(a, b):
     """The smallest distance of two triangles and where it is: distance, a's point x, y, z, b's point x, y, z.
 
     0 and one point twice where they meet."""
-    if meet(a, b):
+    if touch(a, b):
         x, y, z, _, _, _, _ = contact(a, b)
         return 0.0, x, y, z, x, y, z
     square, px, py, pz, qx, qy, qz = closest(a, b)
@@ -261,7 +267,7 @@ def distance(a, b):
 @kernel
 def _meet_all(a, b, out):
     for i in range(a.shape[0]):
-        out[i] = meet(load(a, i), load(b, i))
+        out[i] = touch(load(a, i), load(b, i))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Whether two triangles share a point, by exact signs alone: what `triangle.meet` falls back on.
+"""Whether two triangles share a point, by exact signs alone: what `triangle.touch` falls back on.
 
 a's corners lie on sides s(k) = orient3d(b0, b1, b2, ak) of b's plane, b's on sides t(k) of a's. All of one strictly
 on one side: no. Else, and if both s and t have a sign that is not 0, both have an area and their planes cross in a
@@ -16,7 +16,7 @@ import numpy as np
 from drone_sim.collision.exact import orient2d, orient3d
 from drone_sim.kernel import kernel
 
-# Every number that `meet` takes a sign of is a sum of at most 24 products of three differences of coordinates, none of
+# Every number that `touch` takes a sign of is a sum of at most 24 products of three differences of coordinates, none of
 # which passes through more than 12 roundings. With X, Y, Z the largest differences along the axes and T >= X + Y + Z, a
 # product is at most XYZ <= T^3 / 27, and the sum is off by less than 24 * 12.1 * 2^-53 * T^3 / 27 < 11 * 2^-53 * T^3.
 # If T^3 is finite, nothing overflows but where T^3 is large enough to make all open, and underflow adds less than
@@ -28,7 +28,7 @@ NOBODY, NOWHERE = -1, -2  # instead of a corner that is alone
 
 @kernel
 def meet_exact(a, b):
-    """What `meet` answers, by exact signs. The corners are points 0 1 2 and 3 4 5 of p."""
+    """What `touch` answers, by exact signs. The corners are points 0 1 2 and 3 4 5 of p."""
     p = np.empty((6, 3))
     for k in range(3):
         for axis in range(3):
