@@ -3,16 +3,15 @@
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision import grid
+from drone_sim.collision import grid, meshes
 from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels
 from drone_sim.collision.manifold import Manifolds, anchor
-from drone_sim.collision.meshes import Meshes
 from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_contacts, margins
 from drone_sim.model import OCTREE, SPHERE, Model
 from drone_sim.state import State
 
-Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, floor's height, level, all or not, margin
+Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, floor's height, level, all?, margin
 
 
 class Detection:
@@ -35,14 +34,16 @@ class Detection:
                                      np.int64).reshape(-1, 2)
         self._floor_heights = np.repeat([plane.height for plane in model.floors], len(on_floor)).astype(np.float64)
         self._impacts = Impacts(bodies.half, dt)
-        self._meshes: Meshes | None = None
+        self._meshes: meshes.Meshes | None = None
+        self._with_meshes: Integers = np.empty(0, np.int64)
         self.prepare()
 
     def prepare(self) -> None:
         """Gets ready for the levels as they are now. Raises mesh.MeshError for models that cannot be read."""
         bodies = self.levels.meshes()
-        if self._meshes is None or not np.array_equal(self._meshes.bodies, bodies):
-            self._meshes = Meshes(self._model, bodies) if len(bodies) else None
+        if not np.array_equal(self._with_meshes, bodies):
+            self._meshes = meshes.read(self._model, bodies)
+            self._with_meshes = bodies
         radius = np.linalg.norm(self._model.bodies.half, axis=1)
         self._radius = radius if self.levels.uses(SPHERE) else np.zeros_like(radius)
 

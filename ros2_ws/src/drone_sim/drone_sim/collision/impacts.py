@@ -32,7 +32,7 @@ def advance(body, time, position, orientation, velocity, spin, out_position, out
 def bring_back(first, count, pair, points, normal, point, anchor, separation, body, ahead, turn_ahead, position,
                orientation):
     """Takes manifolds first to count, found among bodies placed `ahead`, back to the start of the step: anchors turn
-    back with their bodies, and the separation becomes that of the anchors now. pair: in rows of body, then in bodies."""
+    back with their bodies, and the separation becomes that of the anchors now. pair: rows of body, then bodies."""
     for i in range(first, count):
         for k in range(points[i]):
             for side in range(2):
@@ -67,8 +67,8 @@ class Impacts:
 
     def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
               meshes: Meshes | None) -> tuple[Placed, Integers]:
-        """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2 and
-        3 of the second, and so on."""
+        """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2
+        and 3 of the second, and so on."""
         time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
         tree = (meshes.tree.box, meshes.tree.link, meshes.tree.corners) if meshes else NO_TREE
         roots = meshes.roots if meshes else np.full(len(self._half), -1)

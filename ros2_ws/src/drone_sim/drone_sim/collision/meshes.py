@@ -1,5 +1,7 @@
 """Narrow phase of a step for meshes: the pairs at levels OCTREE and TRIANGLE, their contacts grouped for the solver."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -7,11 +9,12 @@ from numpy.typing import NDArray
 
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import octree, surface, traversal
+from drone_sim.collision import octree, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
 from drone_sim.collision.mesh_contacts import floor_contacts, leaf_contacts, triangle_contacts
 from drone_sim.collision.narrow import Placed
 from drone_sim.collision.reduction import MOST, reduce
+from drone_sim.collision.shape import Shape
 from drone_sim.kernel import kernel
 from drone_sim.model import OCTREE, Model
 
@@ -77,29 +80,30 @@ def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, ev
     return found, 0, 0
 
 
-class Meshes:
-    """The meshes of some bodies, in the frames of their boxes' centres."""
+def read(model: Model, bodies: Integers) -> "Meshes":
+    """The meshes of these bodies of a model, (k,), in the frames of their boxes' centres. Raises mesh.MeshError."""
+    shapes: dict[tuple[Path, bytes], Shape] = {}
+    which = np.full(model.bodies.count, -1)
+    floors = [plane.body for plane in model.floors]
+    for body in bodies:
+        if body not in floors and model.bodies.solid[body]:
+            path, centre = model.paths[body], model.bodies.centre_b[body]
+            if (path, centre.tobytes()) not in shapes:
+                vertices, faces = mesh.surface(path)
+                shapes[path, centre.tobytes()] = Shape.of(vertices - centre, faces)
+            which[body] = list(shapes).index((path, centre.tobytes()))
+    return Meshes(list(shapes.values()), which)
 
-    def __init__(self, model: Model, bodies: Integers) -> None:
-        """Reads the models of these bodies, (k,) ascending. Raises mesh.MeshError."""
-        self.bodies = bodies
-        floors = [plane.body for plane in model.floors]
-        shapes: dict[tuple[object, bytes], int] = {}
-        trees: list[octree.Octree] = []
-        which = np.full(model.bodies.count, -1)
-        for body in bodies:
-            if body in floors or not model.bodies.solid[body]:
-                continue
-            key = model.paths[body], model.bodies.centre_b[body].tobytes()
-            if key not in shapes:
-                shapes[key] = len(trees)
-                vertices, faces = mesh.surface(model.paths[body])
-                trees.append(octree.of(vertices - model.bodies.centre_b[body], faces))
-            which[body] = shapes[key]
-        self.tree, roots = octree.join(trees)
-        self.roots = np.where(which >= 0, roots[which], -1)
-        described = [surface.describe(tree.corners) for tree in trees]
-        self._normals, self._owned = (np.concatenate(parts) for parts in zip(*described, strict=True))
+
+class Meshes:
+    """The meshes of bodies, as a forest, with the buffers of the narrow phase."""
+
+    def __init__(self, shapes: Sequence[Shape], which: Integers) -> None:
+        """which: (n,) the shape of each body; -1: none."""
+        self.tree, roots = octree.join([shape.tree for shape in shapes])
+        self.roots: Integers = np.where(which >= 0, roots[which], -1)
+        self._normals, self._owned = (np.concatenate(parts) for parts in
+                                      zip(*(shape.surface for shape in shapes), strict=True))
         self._spare, self._raw = traversal.scratch(), _raw(1024, 256)
 
     def find(self, manifolds: Manifolds, placed: Placed, pair_a: Integers, pair_b: Integers, floor_height: Floats,
