@@ -77,6 +77,19 @@ def test_a_cube_meets_a_plate_when_the_gap_is_used_up(speed: float, shift: float
     assert at * DT == pytest.approx(gap / speed, abs=1e-9 if shift == 0.0 else 1e-6 / speed)
 
 
+@pytest.mark.parametrize("half", [[[0, 0, 0], [1, 1, 0]], [[0, 0, 0.5], [1, 0, 0]], [[1e-6] * 3, [1e3, 1e3, 1e-6]],
+                                  [[0, 0, 0], [0, 0, 0]]], ids=["point", "rods", "speck", "points"])
+@pytest.mark.parametrize("spin", [0.0, 50.0])
+def test_flat_and_tiny_bodies_are_stopped(half: list[list[float]], spin: float) -> None:
+    """About its own long axis the rod may spin; the others may about any."""
+    position, w = np.array([[0, 0, 1.7], [0, 0, 0]]), np.array([[0, 0, spin], [0, 0, 0]])
+    at, outcome = time(position, LEVEL_QUATERNION, np.array([[0, 0, -300], [0, 0, 0]]), w, np.array(half))
+    way = 1.7 - half[0][2] - half[1][2]
+    near = 1.25 * target_of(np.array(half)) + 1e-9
+    assert outcome == IMPACT
+    assert way - near <= at * DT * 300 <= way
+
+
 def test_what_touches_at_the_start_meets_there() -> None:
     half = np.full((2, 3), 0.5)
     position, velocity = np.array([[0, 0, 0], [0.9, 0, 0]]), np.array([[50, 0, 0], [0, 0, 0]])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, boxes_meet, relative
+from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, UNFINISHED, boxes_meet, relative
 from drone_sim.collision.ray import ray_sphere
 from drone_sim.kernel import kernel
 from drone_sim.model import OBB, SPHERE
@@ -21,7 +21,8 @@ from drone_sim.model import OBB, SPHERE
 FRACTION = 0.25  # of its smallest side: a body that moves more in a step is swept
 TARGET = 1e-4  # of the smaller body's radius: how far apart two bodies are at the time of impact
 ROUNDING = 256 * 2.0**-52  # of the lengths in play: what a separation may be wrong by, the padding of leaves included
-COARSE = 3  # iterations for a pair of nodes whose children are looked at anyway
+COARSE = 8  # iterations for a pair of nodes whose children are looked at anyway
+BUDGET = 20_000  # pairs of nodes looked at for a pair of meshes: about 10 ms; only wild spins come to that
 STACK = 640  # pairs of nodes: each level of two trees of up to 40 leaves at most 7 of 8 behind
 
 
@@ -71,13 +72,16 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
     whole: (2, 6) the boxes of the roots. stack: (STACK, 2) and entry: (STACK,) hold pairs of nodes that are yet to be
     looked at and the time until which each is known to be safe, of siblings the earliest on top.
     """
-    best, outcome = end, NONE
+    best, outcome, looked_at = end, NONE, 0
     stack[0, 0], stack[0, 1], entry[0] = root_a, root_b, start
     top = 1
     while top > 0:
         top -= 1
         a, b, t = stack[top, 0], stack[top, 1], entry[top]
         if t >= best:
+            continue
+        if looked_at > BUDGET:
+            best, outcome = t, UNFINISHED
             continue
         box_a, box_b = whole[0] if a < 0 else box[a], whole[1] if b < 0 else box[b]
         leaf_a, leaf_b = a < 0 or link[a, 1] == 0, b < 0 or link[b, 1] == 0
@@ -88,6 +92,7 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
             continue
         split_a = not leaf_a and (leaf_b or box_a[3] + box_a[4] + box_a[5] >= box_b[3] + box_b[4] + box_b[5])
         node = a if split_a else b
+        looked_at += link[node, 1]
         base = top
         for child in range(link[node, 0], link[node, 0] + link[node, 1]):
             if split_a:
@@ -175,9 +180,11 @@ def times(pairs: ArrayLike, positions: ArrayLike, orientations: ArrayLike, veloc
         raise ValueError(f"pairs: expected bodies 0 to {n - 1}, got {pair.min()} to {pair.max()}")
     if (root >= nodes).any():
         raise ValueError(f"roots: expected nodes of a forest of {nodes}, got {root.max()}")
-    tree = (np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)))
+    box, link, corners = np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3))
     if forest is not None:
-        tree = forest.box, forest.link, forest.corners
+        box, link, corners = forest.box, forest.link, forest.corners
     impacts = Impacts(np.empty(k), np.empty(k, np.int64))
-    sweep_pairs(pair[:, 0].copy(), pair[:, 1].copy(), *bodies, extent, level, root, *tree, dt, *impacts, *room())
+    position, orientation, velocity, spin = bodies
+    sweep_pairs(pair[:, 0].copy(), pair[:, 1].copy(), position, orientation, velocity, spin, extent, level, root,
+                box, link, corners, dt, impacts.time, impacts.outcome, *room())
     return impacts
