@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, UNFINISHED, boxes_meet, relative
 from drone_sim.collision.ray import ray_sphere
+from drone_sim.collision.triangle_advancement import triangles_meet
 from drone_sim.kernel import kernel
-from drone_sim.model import OBB, SPHERE
+from drone_sim.model import OBB, SPHERE, TRIANGLE
 
 FRACTION = 0.25  # of its smallest side: a body that moves more in a step is swept
 TARGET = 1e-4  # of the smaller body's radius: how far apart two bodies are at the time of impact
@@ -60,14 +61,29 @@ def _box_of(node, box, half, i, out):
 
 
 @kernel
-def leaves_meet(motion, place, node_a, node_b, box_a, box_b, link, corners, start, end, target):
-    """When the triangles of two leaves meet: here their boxes, which do so no later."""
-    return boxes_meet(motion, place, box_a, box_b, start, end, target, ITERATIONS)
+def leaves_meet(motion, place, a, b, box_a, box_b, link, corners, start, end, target, level, world):
+    """As boxes_meet, for two leaves: their triangles at level TRIANGLE, else their boxes; -1: a box without triangles,
+    which the other's box is held against."""
+    if level != TRIANGLE or a < 0 or b < 0:
+        return boxes_meet(motion, place, box_a, box_b, start, end, target, ITERATIONS)
+    start, outcome = boxes_meet(motion, place, box_a, box_b, start, end, target, COARSE)
+    if outcome == NONE:
+        return end, NONE
+    outcome = NONE
+    for i in range(link[a, 2], link[a, 2] + link[a, 3]):
+        for j in range(link[b, 2], link[b, 2] + link[b, 3]):
+            time, found = triangles_meet(motion, place, corners[i], corners[j], start, end, target, ITERATIONS, world)
+            if found != NONE:
+                end, outcome = time, found
+                if end <= start:
+                    return end, outcome
+    return end, outcome
 
 
 @kernel
-def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, end, target, stack, entry):
-    """As boxes_meet, for the leaves of two trees, or of a tree and the box of a body without one (root -1).
+def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, end, target, level, stack,
+               entry, world):
+    """As boxes_meet, for what is in the leaves of two trees, or of a tree and the box of a body without one (root -1).
 
     whole: (2, 6) the boxes of the roots. stack: (STACK, 2) and entry: (STACK,) hold pairs of nodes that are yet to be
     looked at and the time until which each is known to be safe, of siblings the earliest on top.
@@ -86,7 +102,8 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
         box_a, box_b = whole[0] if a < 0 else box[a], whole[1] if b < 0 else box[b]
         leaf_a, leaf_b = a < 0 or link[a, 1] == 0, b < 0 or link[b, 1] == 0
         if leaf_a and leaf_b:
-            time, found = leaves_meet(motion, place, a, b, box_a, box_b, link, corners, t, best, target)
+            time, found = leaves_meet(motion, place, a, b, box_a, box_b, link, corners, t, best, target,
+                                      level, world)
             if found != NONE:
                 best, outcome = time, found
             continue
@@ -111,10 +128,10 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
 
 @kernel
 def sweep_pairs(pair_a, pair_b, position, orientation, velocity, spin, half, level, root, box, link, corners, dt,
-                toi, outcome, motion, place, whole, stack, entry):
+                toi, outcome, motion, place, whole, stack, entry, world):
     """Writes for each pair the time of impact, as a part of dt, and the outcome. half: (n, 3), for bodies without a
     tree; level: (k,) of each pair; root: (n,) node or -1. motion: (MOTION,), place: (PLACE,), whole: (2, 6), stack:
-    (STACK, 2) and entry: (STACK,) are room to work in.
+    (STACK, 2), entry: (STACK,) and world: (2, 3, 3) are room to work in.
     """
     for k in range(pair_a.shape[0]):
         a, b = pair_a[k], pair_b[k]
@@ -135,14 +152,15 @@ def sweep_pairs(pair_a, pair_b, position, orientation, velocity, spin, half, lev
             end, found = boxes_meet(motion, place, whole[0], whole[1], start, dt, target, ITERATIONS)
         else:
             end, found = trees_meet(motion, place, root[a], root[b], whole, box, link, corners, start, dt, target,
-                                    stack, entry)
+                                    level[k], stack, entry, world)
         if found != NONE:
             toi[k], outcome[k] = end / dt, found
 
 
-def room() -> tuple[Floats, Floats, Floats, Integers, Floats]:
-    """What `sweep_pairs` works in: its last five arguments."""
-    return np.empty(MOTION), np.empty(PLACE), np.empty((2, 6)), np.empty((STACK, 2), np.int64), np.empty(STACK)
+def room() -> tuple[Floats, Floats, Floats, Integers, Floats, Floats]:
+    """What `sweep_pairs` works in: its last six arguments."""
+    return (np.empty(MOTION), np.empty(PLACE), np.empty((2, 6)), np.empty((STACK, 2), np.int64), np.empty(STACK),
+            np.empty((2, 3, 3)))
 
 
 class Impacts(NamedTuple):
