@@ -7,14 +7,18 @@ import numpy as np
 import pytest
 
 from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import sweep
+from drone_sim.collision import octree, sweep
 from drone_sim.collision.advancement import IMPACT
-from drone_sim.model import OBB
+from drone_sim.model import OBB, OCTREE, TRIANGLE
 from drone_sim.rotation import inverse, rotate_all
 
 SHOTS = 500  # of each kind in every run of the tests
 DT = 1 / 30
 CUBE, PLATE = np.full(3, 0.025), np.array([1.0, 1.0, 0.005])
+FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
+         (1, 5, 7), (1, 7, 3)]
+FOREST, ROOTS = octree.join([octree.build(half * [(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], FACES)
+                             for half in (CUBE, PLATE)])
 
 
 def unit(vectors: Floats) -> Floats:
@@ -51,7 +55,7 @@ def _step(position: Floats, q: Floats, plate: Floats, plate_q: Floats, velocity:
     still, pairs = np.zeros((n, 3)), np.column_stack([np.arange(n), np.arange(n, 2 * n)])
     half = np.repeat([CUBE, PLATE], n, axis=0)
     impacts = sweep.times(pairs, np.vstack([position, plate]), np.vstack([q, plate_q]), np.vstack([velocity, still]),
-                          np.vstack([turning, still]), half, DT, level)
+                          np.vstack([turning, still]), half, DT, level, FOREST, np.repeat(ROOTS, n))
     return impacts.outcome == IMPACT, impacts.time
 
 
@@ -77,6 +81,6 @@ def _past(position: Floats, q: Floats, plate: Floats, plate_q: Floats, side: Flo
     return (separation <= 0.0) | ((z * side < 0.0) & (np.abs(x) < PLATE[0]) & (np.abs(y) < PLATE[1]))
 
 
-@pytest.mark.parametrize("level", [OBB])
+@pytest.mark.parametrize("level", [OBB, OCTREE, TRIANGLE])
 def test_no_shot_gets_through(level: int) -> None:
     assert shots_through(SHOTS, level) == 0

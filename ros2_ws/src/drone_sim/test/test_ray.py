@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_sim.collision import ray, ray_triangle
+from drone_sim.collision import octree, ray, ray_triangle
 from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE
 from drone_sim.rotation import rotate_all
 
-from . import trees
+from . import shapes
 
 LEVELS = (SPHERE, OBB, OCTREE, TRIANGLE)
 HERE = np.array([0, 0, 0, 0, 0, 0, 1.0])
-MESH = trees.ball(9, 14, bumps=0.1)
-TREE = trees.build(*MESH)
+MESH = shapes.ball(9, 14, bumps=0.1)
+TREE = octree.build(*MESH)
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -43,7 +43,7 @@ def test_a_ball() -> None:
 @pytest.mark.parametrize("level", [OBB, OCTREE])
 def test_a_box_turned_by_45_degrees(level: int) -> None:
     pose = np.array([10, 0, 0, 0, 0, math.sin(math.pi / 8), math.cos(math.pi / 8)])
-    tree = trees.build(*trees.block(1, 1, 3))._replace(link=np.array([[0, 0, 0, 12]], np.int32),
+    tree = octree.build(*shapes.block(1, 1, 3))._replace(link=np.array([[0, 0, 0, 12]], np.int32),
                                                        box=np.array([[0, 0, 0, 1, 1, 3.0]]))
     hits = ray.cast(np.array([[0, 0.5, 2.0]]), np.array([[1.0, 0, 0]]), pose, [1, 1, 3], level, tree, 0)
     assert hits.distance[0] == pytest.approx(10 - math.sqrt(2) + 0.5, abs=1e-9)
@@ -53,8 +53,8 @@ def test_a_box_turned_by_45_degrees(level: int) -> None:
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_slanting_plane_at_every_level(level: int) -> None:
-    vertices, faces = trees.block(0.0, 4.0, 4.0)
-    tree = trees.build(vertices, faces[:4])
+    vertices, faces = shapes.block(0.0, 4.0, 4.0)
+    tree = octree.build(vertices, faces[:4])
     hits = ray.cast([[-3.0, 0.5, 0.25]], [[2.0, 0.1, 0.2]], HERE, [0, 4, 4], level, tree, 0)
     way = np.linalg.norm([3, 0.15, 0.3])
     if level == SPHERE:
@@ -74,7 +74,7 @@ def test_a_ray_along_a_face_and_one_beside_it() -> None:
 
 def test_the_end_of_the_range_belongs_to_it() -> None:
     for reach, expected in ((4.0, 4.0), (3.999, np.inf)):
-        hits = ray.cast([-5, 0.5, 0], [7, 0, 0], HERE, 1, TRIANGLE, trees.build(*trees.block(1, 1, 1)), 0, reach)
+        hits = ray.cast([-5, 0.5, 0], [7, 0, 0], HERE, 1, TRIANGLE, octree.build(*shapes.block(1, 1, 1)), 0, reach)
         assert hits.distance[0] == expected
 
 
@@ -152,7 +152,7 @@ def test_every_ray_against_all_triangles() -> None:
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e6])
-@pytest.mark.parametrize("mesh", [trees.block(1, 0.5, 2), MESH], ids=["block", "ball"])
+@pytest.mark.parametrize("mesh", [shapes.block(1, 0.5, 2), MESH], ids=["block", "ball"])
 def test_nothing_slips_through_a_seam(mesh: tuple[np.ndarray, np.ndarray], shift: float) -> None:
     """Towards each vertex and points of each edge, straight on and from random sides; the mesh is closed, so what is
     aimed past a point towards the inside must hit."""
@@ -169,7 +169,7 @@ def test_nothing_slips_through_a_seam(mesh: tuple[np.ndarray, np.ndarray], shift
         moved = pose + np.array([shift, -shift, shift, 0, 0, 0, 0])
         turn = np.broadcast_to(pose[3:], (len(targets), 4))
         world = moved[:3] + rotate_all(turn, origins)
-        hits = ray.cast(world, rotate_all(turn, targets - origins), moved, 1, TRIANGLE, trees.build(*mesh), 0)
+        hits = ray.cast(world, rotate_all(turn, targets - origins), moved, 1, TRIANGLE, octree.build(*mesh), 0)
         assert np.isfinite(hits.distance).all()
 
 
@@ -180,7 +180,7 @@ def test_triangles_without_area_change_nothing() -> None:
     origins = rng.normal(size=(500, 3)) * 2
     directions = vertices[rng.integers(0, len(vertices), 500)] - origins
     clean = ray.cast(origins, directions, HERE, 1, TRIANGLE, TREE, 0)
-    spoilt = ray.cast(origins, directions, HERE, 1, TRIANGLE, trees.build(vertices, flat), 0)
+    spoilt = ray.cast(origins, directions, HERE, 1, TRIANGLE, octree.build(vertices, flat), 0)
     np.testing.assert_allclose(spoilt.distance, clean.distance, atol=1e-12)
     assert np.isfinite(clean.distance).sum() > 250
     assert np.isfinite(spoilt.normal[np.isfinite(spoilt.distance)]).all()
@@ -189,8 +189,8 @@ def test_triangles_without_area_change_nothing() -> None:
 @pytest.mark.parametrize("shift", [0.0, 1e6])
 def test_a_finer_level_is_never_hit_sooner(shift: float) -> None:
     rng = np.random.default_rng(5)
-    for mesh in (MESH, trees.block(1, 0.2, 3), trees.block(0, 1, 1), trees.block(1e-3, 2e-3, 1e-3)):
-        tree, size = trees.build(*mesh), np.abs(mesh[0]).max()
+    for mesh in (MESH, shapes.block(1, 0.2, 3), shapes.block(0, 1, 1), shapes.block(1e-3, 2e-3, 1e-3)):
+        tree, size = octree.build(*mesh), np.abs(mesh[0]).max()
         pose = some_pose(rng) + np.array([shift, shift, 0, 0, 0, 0, 0])
         corners = mesh[0][rng.integers(0, len(mesh[0]), 3000)]
         corners = pose[:3] + rotate_all(np.broadcast_to(pose[3:], (3000, 4)), corners)
@@ -203,7 +203,7 @@ def test_a_finer_level_is_never_hit_sooner(shift: float) -> None:
 
 def test_the_nearest_of_many_bodies_at_all_levels() -> None:
     rng = np.random.default_rng(6)
-    forest, roots = trees.forest(TREE, trees.build(*trees.block(0.5, 1, 0.2)))
+    forest, roots = octree.join([TREE, octree.build(*shapes.block(0.5, 1, 0.2))])
     poses = np.array([some_pose(rng, 4.0) for _ in range(24)])
     levels, root = np.arange(24) % 4, np.array(roots)[np.arange(24) % 5 % 2]
     half = rng.uniform(0.2, 1, (24, 3))
@@ -227,6 +227,12 @@ def test_the_nearest_of_many_bodies_at_all_levels() -> None:
         assert (together.face[i] >= 0) == (levels[nearest[i]] >= OCTREE)
     assert (np.sum(together.normal[found] * directions[found], 1) < 0).all()
     np.testing.assert_allclose(together.point[found], (origins + together.distance[:, None] * unit(directions))[found])
+
+
+def test_trees_that_are_shared_and_may_not_be_written_to() -> None:
+    for level in (OCTREE, TRIANGLE):
+        hits = [ray.cast([3, 0.1, 0.2], [-1, 0, 0], HERE, 1, level, tree, 0) for tree in (TREE, octree.of(*MESH))]
+        assert hits[0].distance[0] == hits[1].distance[0] < 3
 
 
 @pytest.mark.parametrize(("change", "message"), [

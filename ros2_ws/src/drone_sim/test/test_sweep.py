@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from drone_sim.collision import sweep
+from drone_sim.collision import octree, sweep
 from drone_sim.collision.advancement import IMPACT, ITERATIONS, NEAR, NONE, boxes_meet, relative
 from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE
 from drone_sim.rotation import matrix, turned
 
-from . import trees
+from . import shapes
 
 DT = 1 / 30
 STILL = np.zeros((2, 3))
@@ -169,7 +169,7 @@ def test_a_rod_that_turns_beside_a_wall_misses_it() -> None:
     assert time(position, LEVEL_QUATERNION, STILL, np.array([[0, 0, 30.0], [0, 0, 0]]), half) == (1.0, NONE)
 
 
-def ring() -> trees.Tree:
+def ring() -> octree.Octree:
     """A tube of radius 0.1 around a circle of radius 1 in the x y plane."""
     u, v = (x.ravel() for x in np.meshgrid(*[np.linspace(0, 2 * np.pi, n, endpoint=False) for n in (40, 12)],
                                            indexing="ij"))
@@ -177,12 +177,12 @@ def ring() -> trees.Tree:
     i, j = np.divmod(np.arange(480), 12)
     a, b, c, d = i * 12 + j, (i + 1) % 40 * 12 + j, (i + 1) % 40 * 12 + (j + 1) % 12, i * 12 + (j + 1) % 12
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    return trees.build(np.stack([r * np.cos(u), r * np.sin(u), 0.1 * np.sin(v)], 1), faces)
+    return octree.build(np.stack([r * np.cos(u), r * np.sin(u), 0.1 * np.sin(v)], 1), faces)
 
 
 @pytest.mark.parametrize("level", [OBB, OCTREE, TRIANGLE])
 def test_a_ball_flies_through_a_ring_unless_the_ring_is_a_box(level: int) -> None:
-    forest, roots = trees.forest(ring(), trees.build(*trees.ball(6, 8)))
+    forest, roots = octree.join([ring(), octree.build(*shapes.ball(6, 8))])
     forest.box[roots[1]:] *= 0.3
     forest.corners[len(ring().corners):] *= 0.3
     velocity, w = np.array([[0, 0, 0], [0, 0, -90.0]]), np.array([[0, 0, 3], [10, 0, 0.0]])
@@ -197,7 +197,7 @@ def test_a_ball_flies_through_a_ring_unless_the_ring_is_a_box(level: int) -> Non
 @pytest.mark.parametrize("spin", [0.0, 20.0])
 def test_trees_meet_when_the_first_of_all_pairs_of_leaves_does(spin: float) -> None:
     rng = np.random.default_rng(4)
-    forest, roots = trees.forest(trees.build(*trees.ball(6, 9, bumps=0.3)), ring())
+    forest, roots = octree.join([octree.build(*shapes.ball(6, 9, bumps=0.3)), ring()])
     leaves = np.flatnonzero(forest.link[:, 1] == 0)
     of_a, of_b = leaves[leaves < roots[1]], leaves[leaves >= roots[1]]
     motion, place = sweep.room()[:2]
@@ -216,6 +216,66 @@ def test_trees_meet_when_the_first_of_all_pairs_of_leaves_does(spin: float) -> N
         assert outcome == (IMPACT if at < 1.0 else NONE)
         met += outcome == IMPACT
     assert 3 < met < 12
+
+
+def apart(a: np.ndarray, b: np.ndarray) -> float:
+    """The distance of triangles (m, 3, 3) and (n, 3, 3) that do not pass through each other, by all features."""
+    centres = np.linalg.norm(a.mean(1)[:, None] - b.mean(1)[None], axis=-1)
+    size_a, size_b = (np.linalg.norm(x - x.mean(1, keepdims=True), axis=-1).max(1) for x in (a, b))
+    i, j = np.nonzero(centres - size_a[:, None] - size_b <= centres.min())
+    a, b, least = a[i], b[j], np.inf
+    for p, q in ((a, b), (b, a)):
+        u, v = q[..., 1, :] - q[..., 0, :], q[..., 2, :] - q[..., 0, :]
+        n = np.cross(u, v)
+        for k in range(3):
+            w = p[..., k, :] - q[..., 0, :]
+            s, t = ((np.cross(x, y) * n).sum(-1) / (n * n).sum(-1) for x, y in ((w, v), (u, w)))
+            over = (s >= 0) & (t >= 0) & (s + t <= 1)
+            height = np.abs((w * n).sum(-1)) / np.linalg.norm(n, axis=-1)
+            least = min(least, float(np.min(height, where=over, initial=np.inf)))
+    for i in range(3):
+        for j in range(3):
+            p, q = a[..., i, :], b[..., j, :]
+            u, v, w = a[..., (i + 1) % 3, :] - p, b[..., (j + 1) % 3, :] - q, q - p
+            n = np.cross(u, v)
+            square = (n * n).sum(-1)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                s, t = (np.clip((np.cross(w, x) * n).sum(-1) / square, 0, 1) for x in (v, u))
+            candidates = [(s, t)]
+            for end in (0.0, 1.0):
+                candidates.append((np.clip(((w + end * v) * u).sum(-1) / (u * u).sum(-1), 0, 1), np.full(s.shape, end)))
+                candidates.append((np.full(s.shape, end), np.clip(((end * u - w) * v).sum(-1) / (v * v).sum(-1), 0, 1)))
+            for s, t in candidates:
+                least = min(least, float(np.nanmin(np.linalg.norm(w + t[..., None] * v - s[..., None] * u, axis=-1))))
+    return least
+
+
+@pytest.mark.parametrize("spin", [0.0, 20.0])
+def test_triangles_meet_when_their_distance_says(spin: float) -> None:
+    rng = np.random.default_rng(5)
+    forest, roots = octree.join([octree.build(*shapes.ball(6, 9, bumps=0.3)), ring()])
+    of_a = forest.link[roots[1], 2]
+    met = 0
+    for _ in range(8):
+        position, q, velocity, w, _ = scene(rng, spin)
+        position[0] = position[1] + 2.6 * unit(position[0] - position[1])
+        velocity[0] = velocity[1] + (position[1] - position[0] + rng.normal(size=3) * 2.5) * 1.3 / DT
+        at, outcome = time(position, q, velocity, w, np.zeros((2, 3)), TRIANGLE, forest=forest, roots=roots)
+        target = sweep.TARGET * min(np.linalg.norm(box[:3]) + np.linalg.norm(box[3:]) for box in forest.box[roots])
+
+        distance = []
+        for t in np.linspace(0, at, 6) * DT:
+            a, b = (triangles @ axes(q[i], w[i], t) + position[i] + velocity[i] * t
+                    for i, triangles in enumerate((forest.corners[:of_a], forest.corners[of_a:])))
+            distance.append(apart(a, b))
+        assert min(distance) >= target * (1 - 1e-6)
+        if outcome == IMPACT:
+            assert distance[-1] <= 1.26 * target
+            assert at > time(position, q, velocity, w, np.zeros((2, 3)), OCTREE, forest=forest, roots=roots)[0]
+            met += 1
+        else:
+            assert (at, outcome) == (1.0, NONE)
+    assert 2 < met < 8
 
 
 def test_only_what_moves_far_in_a_step_is_swept() -> None:

@@ -8,11 +8,12 @@ Sources: Ize 2013 (Robust BVH Ray Traversal); Haines et al. 2019 (Precision Impr
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
+from drone_sim.collision.octree import Octree
 from drone_sim.collision.ray_triangle import error, ray_triangle, shear
 from drone_sim.kernel import kernel
 from drone_sim.model import OBB, SPHERE, TRIANGLE
@@ -204,11 +205,11 @@ def normal_at(row, level, index, box, corners, x, y, z):
         return out_of(row, x, y, z) if x == x else (0.0, 0.0, 0.0)
     x, y, z = into(row, x, y, z)
     if level == OBB:
-        middle, half = row[CENTRE:CENTRE + 3], row[HALF:HALF + 3]
+        x, y, z = x - row[CENTRE], y - row[CENTRE + 1], z - row[CENTRE + 2]
+        inside_x, inside_y, inside_z = row[HALF] - abs(x), row[HALF + 1] - abs(y), row[HALF + 2] - abs(z)
     else:
-        middle, half = box[index, :3], box[index, 3:]
-    x, y, z = x - middle[0], y - middle[1], z - middle[2]
-    inside_x, inside_y, inside_z = half[0] - abs(x), half[1] - abs(y), half[2] - abs(z)
+        x, y, z = x - box[index, 0], y - box[index, 1], z - box[index, 2]
+        inside_x, inside_y, inside_z = box[index, 3] - abs(x), box[index, 4] - abs(y), box[index, 5] - abs(z)
     if inside_x <= inside_y and inside_x <= inside_z:
         return out_of(row, math.copysign(1.0, x), 0.0, 0.0)
     if inside_y <= inside_z:
@@ -227,7 +228,7 @@ class Hits(NamedTuple):
 
 
 def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, levels: Sequence[int] | Integers | int,
-         forest: Any = None, roots: Sequence[int] | Integers | int = -1, max_range: float = math.inf) -> Hits:
+         forest: Octree | None = None, roots: Sequence[int] | Integers | int = -1, max_range: float = math.inf) -> Hits:
     """Casts n rays at b bodies, or at one.
 
     origins: (n, 3) or (3,) m. directions: of any length but 0. poses: (b, 7) or (7,). half: (b, 3) or (3,) half extents
@@ -261,6 +262,6 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
     cast_rays(origin, direction, np.nextafter(max_range, np.inf), table, level, root, box, link, corners,
               np.empty(nodes, np.int64), np.empty(nodes), *hits)
     on_triangle = (hits.body >= 0) & (level[hits.body] == TRIANGLE)
-    if on_triangle.any():
+    if forest is not None:
         hits.face[on_triangle] = forest.face[hits.face[on_triangle]]
     return hits

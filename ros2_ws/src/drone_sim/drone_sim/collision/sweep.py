@@ -7,13 +7,14 @@ anything in them, so what is inside starts where they ended.
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, UNFINISHED, boxes_meet, relative
+from drone_sim.collision.octree import DEPTH, Octree
 from drone_sim.collision.ray import ray_sphere
 from drone_sim.collision.triangle_advancement import triangles_meet
 from drone_sim.kernel import kernel
@@ -24,7 +25,7 @@ TARGET = 1e-4  # of the smaller body's radius: how far apart two bodies are at t
 ROUNDING = 256 * 2.0**-52  # of the lengths in play: what a separation may be wrong by, the padding of leaves included
 COARSE = 8  # iterations for a pair of nodes whose children are looked at anyway
 BUDGET = 20_000  # pairs of nodes looked at for a pair of meshes: about 10 ms; only wild spins come to that
-STACK = 640  # pairs of nodes: each level of two trees of up to 40 leaves at most 7 of 8 behind
+STACK = 2 * DEPTH * 7 + 8  # opening a node takes one pair off the stack and puts at most eight on
 
 
 @kernel
@@ -52,12 +53,15 @@ def balls_meet(motion, distance):
 
 
 @kernel
-def _box_of(node, box, half, i, out):
-    """Writes a node's box, or that of body i if it has no tree; returns its farthest distance from the position."""
-    for k in range(3):
-        out[k] = box[node, k] if node >= 0 else 0.0
-        out[3 + k] = box[node, 3 + k] if node >= 0 else half[i, k]
-    return (math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2) + math.sqrt(out[3] ** 2 + out[4] ** 2 + out[5] ** 2))
+def _copy_box(box, node, row):
+    for k in range(6):
+        row[k] = box[node, k]
+
+
+@kernel
+def _radius(box):
+    """How far a box's farthest point is at most from its body's position."""
+    return (math.sqrt(box[0] ** 2 + box[1] ** 2 + box[2] ** 2) + math.sqrt(box[3] ** 2 + box[4] ** 2 + box[5] ** 2))
 
 
 @kernel
@@ -85,10 +89,11 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
                entry, world):
     """As boxes_meet, for what is in the leaves of two trees, or of a tree and the box of a body without one (root -1).
 
-    whole: (2, 6) the boxes of the roots. stack: (STACK, 2) and entry: (STACK,) hold pairs of nodes that are yet to be
-    looked at and the time until which each is known to be safe, of siblings the earliest on top.
+    whole: (2, 6) the boxes of the two, overwritten. stack: (STACK, 2) and entry: (STACK,) hold pairs of nodes that are
+    yet to be looked at and the time until which each is known to be safe, of siblings the earliest on top.
     """
     best, outcome, looked_at = end, NONE, 0
+    box_a, box_b = whole[0], whole[1]
     stack[0, 0], stack[0, 1], entry[0] = root_a, root_b, start
     top = 1
     while top > 0:
@@ -99,7 +104,10 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
         if looked_at > BUDGET:
             best, outcome = t, UNFINISHED
             continue
-        box_a, box_b = whole[0] if a < 0 else box[a], whole[1] if b < 0 else box[b]
+        if a >= 0:  # else it is the whole body's from the start
+            _copy_box(box, a, box_a)
+        if b >= 0:
+            _copy_box(box, b, box_b)
         leaf_a, leaf_b = a < 0 or link[a, 1] == 0, b < 0 or link[b, 1] == 0
         if leaf_a and leaf_b:
             time, found = leaves_meet(motion, place, a, b, box_a, box_b, link, corners, t, best, target,
@@ -112,10 +120,8 @@ def trees_meet(motion, place, root_a, root_b, whole, box, link, corners, start, 
         looked_at += link[node, 1]
         base = top
         for child in range(link[node, 0], link[node, 0] + link[node, 1]):
-            if split_a:
-                time, found = boxes_meet(motion, place, box[child], box_b, t, best, target, COARSE)
-            else:
-                time, found = boxes_meet(motion, place, box_a, box[child], t, best, target, COARSE)
+            _copy_box(box, child, box_a if split_a else box_b)
+            time, found = boxes_meet(motion, place, box_a, box_b, t, best, target, COARSE)
             if found != NONE:
                 at = top
                 while at > base and entry[at - 1] < time:
@@ -136,8 +142,13 @@ def sweep_pairs(pair_a, pair_b, position, orientation, velocity, spin, half, lev
     for k in range(pair_a.shape[0]):
         a, b = pair_a[k], pair_b[k]
         relative(position, orientation, velocity, spin, a, b, motion)
-        radius_a = _box_of(root[a], box, half, a, whole[0])
-        radius_b = _box_of(root[b], box, half, b, whole[1])
+        for side in range(2):
+            body = a if side == 0 else b
+            whole[side] = 0.0
+            whole[side, 3:] = half[body]
+            if root[body] >= 0:
+                _copy_box(box, root[body], whole[side])
+        radius_a, radius_b = _radius(whole[0]), _radius(whole[1])
         lengths = radius_a + radius_b
         for c in range(3):
             lengths += abs(position[a, c]) + abs(position[b, c]) + abs(motion[3 + c]) * dt
@@ -172,7 +183,7 @@ class Impacts(NamedTuple):
 
 def times(pairs: ArrayLike, positions: ArrayLike, orientations: ArrayLike, velocities: ArrayLike,
           angular_velocities: ArrayLike, half: ArrayLike, dt: float, levels: Sequence[int] | Integers | int = OBB,
-          forest: Any = None, roots: Sequence[int] | Integers | int = -1) -> Impacts:
+          forest: Octree | None = None, roots: Sequence[int] | Integers | int = -1) -> Impacts:
     """When the pairs (k, 2) of n bodies meet within dt s; the world's frame, SI units. Those that touch meet at 0.
 
     positions, velocities, angular_velocities: (n, 3); orientations: (n, 4) xyzw; half: (n, 3) half extents of bodies
