@@ -104,7 +104,7 @@ near = st.builds(lambda x, e: x * (1 + e * 2.0**-52), st.integers(-3, 3).map(flo
 triple = st.lists(near, min_size=3, max_size=3).map(np.array)
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=600, deadline=None)
 @given(triple, triple.filter(np.any), triple, triple, triple)
 def test_a_triangle_is_hit_where_exact_arithmetic_says(o: np.ndarray, d: np.ndarray, a: np.ndarray, b: np.ndarray,
                                                        c: np.ndarray) -> None:
