@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drone_sim.collision import cells
 from drone_sim.collision.grid import Grid
 
 
@@ -81,6 +82,25 @@ def test_sectors_cover_what_stands_in_them() -> None:
     points = (centre + rng.uniform(-1, 1, (100, 50, 3)) * half).reshape(-1, 1, 3)
     inside = ((points >= corner - 1e-9) & (points <= corner + edge[:, None] + 1e-9)).all(axis=2)
     assert bool(inside.any(axis=1).all())
+
+
+def test_nothing_is_written_beyond_a_buffer_however_small() -> None:
+    """40 cubes that all share a point, against themselves and as movers against themselves as statics."""
+    low = np.random.default_rng(6).uniform(-1, 0, (40, 3))
+    high, bodies, home, per_metre = low + 1.0, np.arange(40, dtype=np.int32), np.zeros(40, np.int32), np.array([0.5])
+    start, listed, entry = np.zeros(65, np.int32), np.empty((320, 3), np.int64), np.empty((320, 3), np.int64)
+    assert cells.fill(low, high, bodies, 40, home, per_metre, 0, start, np.empty(320, np.int32), listed, entry) <= 320
+    beyond = np.full(4000, -1)
+    for size in range(0, 2000, 3):
+        found, _ = cells.meet(start, entry, beyond[:size])
+        assert found in (-1, 40 * 39 // 2)
+        assert bool((beyond[size:] == -1).all())
+        beyond[:] = -1
+        found, _ = cells.meet_others(low, high, bodies, 40, home, per_metre, 0, start, entry, beyond[:size], 0)
+        assert found in (-1, 40 * 40)
+        assert bool((beyond[size:] == -1).all())
+        beyond[:] = -1
+    assert found == 40 * 40
 
 
 def test_a_millimetre_beside_a_kilometre() -> None:

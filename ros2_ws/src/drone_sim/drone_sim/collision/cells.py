@@ -87,6 +87,16 @@ def _list(low, high, i, level, per_metre, guest, start, bucket, listed, count):
 
 
 @kernel
+def _begins(count, n):
+    """Turns how many there are of each of n kinds into where the first of each stands."""
+    before = 0
+    for i in range(n):
+        here = count[i]
+        count[i] = before
+        before += here
+
+
+@kernel
 def fill(low, high, bodies, count, home, per_metre, top, start, bucket, listed, entry):
     """Sorts the entries of `count` bodies by bucket, in each those at home first; returns how many there are.
 
@@ -104,11 +114,7 @@ def fill(low, high, bodies, count, home, per_metre, top, start, bucket, listed, 
             total = _list(low, high, i, level, per_metre[level], GUEST, start, bucket, listed, total)
     if total > bucket.shape[0]:
         return total
-    before = 0
-    for h in range(1, start.shape[0]):
-        here = start[h]
-        start[h] = before
-        before += here
+    _begins(start[1:], start.shape[0] - 1)
     for e in range(total):  # moves start[h + 1] from where bucket h begins to where it ends
         h = bucket[e]
         p = start[h + 1]
@@ -181,16 +187,6 @@ def meet_others(low, high, bodies, count, home, per_metre, top, start, entry, pa
                         found = _gather(i << 32 | tag, a, b, first, end, entry, pair, found)
                         tried += end - first
     return found, tried
-
-
-@kernel
-def _begins(count, n):
-    """Turns how many there are of each of n kinds into where the first of each stands."""
-    before = 0
-    for i in range(n):
-        here = count[i]
-        count[i] = before
-        before += here
 
 
 @kernel
