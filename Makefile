@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV   ?= .venv
 ARGS   ?=
 
-PINS       := $(wildcard requirements/*.txt)
+PINS       := $(filter-out requirements/bench.txt,$(wildcard requirements/*.txt))
 INTERFACES := ros2_ws/src/drone_interfaces ros2_ws/src/drone_assets \
               ros2_ws/underlay/tf2_msgs ros2_ws/underlay/simulation_interfaces
 SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py')
@@ -13,7 +13,7 @@ RUN        := $(VENV)/bin/python
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
 
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check assets figures lock clean
+.PHONY: help fly build test check bench assets figures lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -32,12 +32,16 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
+bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; make bench ARGS="--quick"
+	@$(RUN) bench/collision.py $(ARGS)
+	@$(RUN) bench/graph.py $(ARGS)
+
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
 
-lock: build  ## write requirements/lock.txt anew from this environment
+lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py
 
 clean:  ## remove the environment and everything that was built
@@ -49,6 +53,12 @@ $(VENV)/pins: $(PINS) requirements/system.sh
 	@echo "installing the pinned packages (about a minute) ..."
 	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
 	    --requirement requirements/ros.txt --requirement requirements/run.txt --requirement requirements/dev.txt
+	@touch $@
+
+$(VENV)/peers: $(VENV)/built requirements/bench.txt
+	@echo "installing what the benchmarks compare with ..."
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
+	    --requirement requirements/bench.txt
 	@touch $@
 
 $(VENV)/built: $(VENV)/pins $(SOURCES) ros2_ws/build.sh

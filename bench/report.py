@@ -15,7 +15,8 @@ RESULTS = Path(__file__).with_name("results")
 
 @dataclass
 class Row:
-    """One measurement. `ratio` is ours over the best peer, above 1 is better whatever the unit."""
+    """One measurement. `ratio` is ours over the best peer, above 1 is better whatever the unit. `cpu` and `best` say
+    what it would be by CPU time, and in the best round: of ours and of the peers."""
 
     work: str
     unit: str
@@ -24,6 +25,8 @@ class Row:
     met: bool | None = None
     peers: dict[str, float] = field(default_factory=dict)
     ratio: float | None = None
+    cpu: dict[str, float] = field(default_factory=dict)
+    best: dict[str, float] = field(default_factory=dict)
 
 
 def machine() -> dict[str, Any]:
@@ -37,14 +40,15 @@ def machine() -> dict[str, Any]:
 def report(name: str, settings: dict[str, Any], rows: list[Row]) -> None:
     """Prints the rows and writes results/<name>.json."""
     table = Table(title=name)
-    for title in ("work", "ours", "unit", "peers", "ratio", "asked", "met"):
+    for title in ("work", "ours", "by CPU", "best", "unit", "peers", "ratio", "asked", "met"):
         table.add_column(title)
     for row in rows:
         peers = ", ".join(f"{peer} {value:.4g}" for peer, value in row.peers.items())
         met = {None: "", True: "yes", False: "no"}[row.met]
         ratio = f"{row.ratio:.2f}" if row.ratio else ""
-        table.add_row(row.work, f"{row.ours:.4g}", row.unit, peers, ratio, row.asked, met)
-    Console(width=140).print(table)
+        cpu, best = (f"{times['ours']:.4g}" if times else "" for times in (row.cpu, row.best))
+        table.add_row(row.work, f"{row.ours:.4g}", cpu, best, row.unit, peers, ratio, row.asked, met)
+    Console(width=170).print(table)
     RESULTS.mkdir(exist_ok=True)
     result = {"machine": machine(), "settings": settings, "rows": [asdict(row) for row in rows]}
     (RESULTS / f"{name}.json").write_text(json.dumps(result, indent=2) + "\n")

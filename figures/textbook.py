@@ -11,11 +11,12 @@ NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 def boxes(centre_a: Floats, axes_a: Floats, half_a: Floats,
-          centre_b: Floats, axes_b: Floats, half_b: Floats) -> Booleans:
-    """Centres and half extents (n, 3), axes (n, 3, 3), one a row: the fifteen tests of Gottschalk et al. 1996."""
+          centre_b: Floats, axes_b: Floats, half_b: Floats, *, epsilon: float = 0.0) -> Booleans:
+    """Centres and half extents (n, 3), axes (n, 3, 3), one a row: the fifteen tests of Gottschalk et al. 1996, who
+    add `epsilon` to each product of axes for the sake of parallel ones."""
     turn = dot(axes_a[:, :, None], axes_b[:, None])
     away = dot(axes_a, (centre_b - centre_a)[:, None])
-    size = np.abs(turn)
+    size = np.abs(turn) + epsilon
     apart = (np.abs(away) > half_a + dot(size, half_b[:, None])).any(axis=1)
     back, size_back = turn.swapaxes(1, 2), size.swapaxes(1, 2)
     apart |= (np.abs(dot(away[:, None], back)) > half_b + dot(half_a[:, None], size_back)).any(axis=1)
@@ -25,7 +26,7 @@ def boxes(centre_a: Floats, axes_a: Floats, half_a: Floats,
             reach = half_a[:, i1] * size[:, i2, j] + half_a[:, i2] * size[:, i1, j]
             reach += half_b[:, j1] * size[:, i, j2] + half_b[:, j2] * size[:, i, j1]
             apart |= distance > reach
-    return ~apart
+    return np.asarray(~apart)
 
 
 def triangles(a: Floats, b: Floats) -> Booleans:
