@@ -106,6 +106,7 @@ class World:
             raise ValueError(f"b: expected another object than '{a}'")
         self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
         self.detection.prepare()
+        self.detection.compile()
 
     def _age_commands(self) -> None:
         self.state.silence += 1
@@ -123,6 +124,8 @@ class World:
         for i, stage in enumerate(self.stages):
             report(i, len(self.stages), stage.name)
             stage.run()
+            if stage.run is self.detection:
+                self.detection.compile()
         self.reset()
 
     @property

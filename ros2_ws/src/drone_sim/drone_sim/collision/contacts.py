@@ -25,6 +25,7 @@ class Detection:
         self.manifolds, self._last = Manifolds(64), Manifolds(64)
         self._grid = grid.Grid(bodies.half[bodies.solid])
         self._low, self._high = np.empty((2, bodies.count, 3))
+        self._ball: Floats = np.linalg.norm(bodies.half, axis=1)
         self._scratch = np.empty((3, 15))
         half = bodies.half.copy()
         half[[plane.body for plane in model.floors]] = np.inf
@@ -44,8 +45,18 @@ class Detection:
         if not np.array_equal(self._with_meshes, bodies):
             self._meshes = meshes.read(self._model, bodies)
             self._with_meshes = bodies
-        radius = np.linalg.norm(self._model.bodies.half, axis=1)
-        self._radius = radius if self.levels.uses(SPHERE) else np.zeros_like(radius)
+        self._radius = self._ball if self.levels.uses(SPHERE) else np.zeros_like(self._ball)
+
+    def compile(self) -> None:
+        """Compiles what the levels as they are now may need, so that no step has to."""
+        nothing = np.empty(0, np.int64)
+        pairs = nothing, nothing, np.empty(0), nothing, nothing, np.empty(0)
+        self._find_rough(self._now, pairs)
+        self._find_ahead(pairs)
+        if self._meshes:
+            self.manifolds = self._meshes.find(self.manifolds, self._now, *pairs)
+        self.manifolds.start_from(self._last)
+        self.clear()
 
     def clear(self) -> None:
         """Forgets the last step."""
@@ -56,9 +67,10 @@ class Detection:
         self.manifolds, self._last = self._last, self.manifolds
         self.manifolds.empty()
         axes_of(state.orientation_w, self.axes)
-        grid.bounds(state.position_w, self.axes, bodies.half, self._radius, state.velocity_w, self._dt, MARGIN,
-                    self._low, self._high)
         quick = self._impacts.look(state)
+        radius = np.where(self._impacts.quick, self._ball, self._radius) if quick else self._radius
+        grid.bounds(state.position_w, self.axes, bodies.half, radius, state.velocity_w, self._dt, MARGIN,
+                    self._low, self._high)
         a, b, height = self._candidates()
         level, everything = self.levels.of(a, b)
         margin, swept = np.empty(len(a)), np.empty(len(a), np.bool_)
@@ -86,14 +98,12 @@ class Detection:
         """Appends the contacts of placed meshes."""
         if self._meshes:
             fine = _only(pairs[3] >= OCTREE, pairs)
-            if len(fine[0]):
+            if len(fine[0]):  # most steps have none
                 self.manifolds = self._meshes.find(self.manifolds, placed, *fine)
 
     def _find_ahead(self, pairs: Pairs) -> None:
         """Appends the contacts that fast bodies will have within the step."""
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
-        if not len(meeting):
-            return
         _, _, height, level, everything, margin = _only(meeting, pairs)
         first = 2 * np.arange(len(meeting))
         there = first, first + 1, height, level, everything, margin
