@@ -1,0 +1,146 @@
+"""The hard cases of collision in great numbers: how many were tried, and how many answers were wrong.
+
+Every answer is judged by rational arithmetic on the very numbers that were given, and asked again with the two sides
+swapped. Families and oracles are those of test/hard_cases; the other libraries are asked the same families, in smaller
+numbers and without what they do not take.
+"""
+
+import argparse
+import sys
+import zlib
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from itertools import count as count_from
+from itertools import starmap
+from pathlib import Path
+
+import numpy as np
+import wrong_answers
+from report import Row, report
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from drone_sim.arrays import Booleans
+from drone_sim.collision import Shape, intersects, obb, triangle
+from drone_sim.collision.grid import Grid
+from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "test/hard_cases"))
+
+import box_families
+import oracle
+import test_broad_phase
+import test_tunnelling
+import triangle_families
+import triangle_oracle
+
+CHUNK = 2_000  # pairs that one process judges at a time
+SLOW = {"exponents": 100, "tiny_and_huge": 100}  # families whose judging takes long: so many times fewer pairs
+LEVELS = (SPHERE, OBB, OCTREE, TRIANGLE)
+MODELS = Path(__file__).parents[1] / "assets/models"
+SHOTS = 10_000  # at the plate, at each level
+OTHERS = 50  # so many times fewer pairs for the other libraries
+
+
+def boxes(family: str, chunk: int, count: int) -> tuple[int, int]:
+    """How many pairs were tried and how many answers were wrong."""
+    a, b = np.split(np.arange(6), 2)
+    numbers = box_families.FAMILIES[family](_random(family, chunk), count)
+    truth = oracle.all_boxes_touch(*numbers)
+    swapped = [numbers[i] for i in (*b, *a)]
+    return len(truth), _wrong(truth, obb.intersects(*numbers), obb.intersects(*swapped))
+
+
+def triangles(family: str, chunk: int, count: int) -> tuple[int, int]:
+    """Likewise; the corners of the second answer come in another order, too."""
+    a, b = triangle_families.FAMILIES[family](_random(family, chunk), count)
+    truth = np.array(list(starmap(triangle_oracle.meet, zip(a.tolist(), b.tolist(), strict=True))))
+    return len(truth), _wrong(truth, triangle.intersects(a, b),
+                              triangle.intersects(np.roll(b, 1, axis=1).copy(), a[:, ::-1].copy()))
+
+
+def _random(family: str, chunk: int) -> np.random.Generator:
+    return np.random.default_rng([zlib.crc32(family.encode()), chunk])
+
+
+def _wrong(truth: Booleans, *answers: Booleans) -> int:
+    return int(np.any([answer != truth for answer in answers], axis=0).sum())
+
+
+def nested(count: int) -> tuple[int, int]:
+    """Poses of two models near touch: a hit at a level that is none at the level before is wrong, and so is an answer
+    that swapping changes."""
+    rng, wrong = np.random.default_rng(7), 0
+    models = [Shape.load(MODELS / f"{name}.obj") for name in ("drone", "television", "ring", "rock_tall")]
+    for start in range(0, count, CHUNK):
+        n = min(CHUNK, count - start)
+        a, b = (models[i] for i in rng.integers(0, len(models), 2))
+        poses = rng.normal(size=(2, n, 7))
+        poses[:, :, 3:] /= np.linalg.norm(poses[:, :, 3:], axis=-1, keepdims=True)
+        poses[:, :, :3] *= 0.5 * np.sqrt(a.reach * b.reach)
+        poses[:, :, :3] += rng.choice([0.0, 1e6], (n, 1))
+        hits = np.array([intersects(a, poses[0], b, poses[1], level) for level in LEVELS])
+        swapped = np.array([intersects(b, poses[1], a, poses[0], level) for level in LEVELS])
+        wrong += int(((hits[1:] & ~hits[:-1]).any(axis=0) | (hits != swapped).any(axis=0)).sum())
+    return count, wrong
+
+
+def broad_phase(count: int) -> tuple[int, int]:
+    """Bounds of all sizes: pairs that brute force finds and the grid does not, or the other way round."""
+    pairs = wrong = 0
+    for seed in count_from(0):
+        low, high = test_broad_phase.random_boxes(seed, 3000, (1e-3, 1e3), crowd=50.0)
+        expected = test_broad_phase.brute_force(low, high, np.ones(len(low), bool))
+        first, second = Grid((high - low) / 2).pairs(low, high, np.ones(len(low), bool), np.ones(len(low), bool))
+        found = np.stack([first, second], axis=1)
+        pairs += len(expected)
+        wrong += len(set(map(tuple, expected.tolist())) ^ set(map(tuple, found.tolist())))
+        if pairs >= count:
+            return pairs, wrong
+    raise AssertionError
+
+
+KINDS: dict[str, tuple[Callable[[str, int, int], tuple[int, int]], tuple[str, ...]]] = {
+    "boxes": (boxes, tuple(box_families.FAMILIES)), "triangles": (triangles, tuple(triangle_families.FAMILIES))}
+
+
+def rows(count: int) -> Iterator[Row]:
+    """One row a family: wrong answers among `count` pairs, asked twice."""
+    columns = TextColumn("{task.description:36}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with ProcessPoolExecutor() as pool, Progress(*columns) as progress:
+        for kind, (judge, families) in KINDS.items():
+            for family in families:
+                pairs = max(count // SLOW.get(family, 1), 1)
+                sizes = [min(CHUNK, pairs - start) for start in range(0, pairs, CHUNK)]
+                bar = progress.add_task(f"{kind}, {family.replace('_', ' ')}", total=pairs)
+                tried = wrong = 0
+                for some, bad in pool.map(judge, [family] * len(sizes), range(len(sizes)), sizes):
+                    tried, wrong = tried + some, wrong + bad
+                    progress.update(bar, completed=tried)
+                yield Row(f"{kind}, {family.replace('_', ' ')}, {tried} pairs", "wrong", wrong, "0", wrong == 0)
+        for work, many, judge_all in (("levels nested", count, nested), ("broad phase", count, broad_phase)):
+            bar = progress.add_task(work, total=many)
+            tried, wrong = judge_all(many)
+            progress.update(bar, completed=many)
+            yield Row(f"{work}, {tried} pairs", "wrong", wrong, "0", wrong == 0)
+        for name, level in (("sphere", SPHERE), ("obb", OBB), ("octree", OCTREE), ("triangle", TRIANGLE)):
+            bar = progress.add_task(f"shots at a plate, {name}", total=SHOTS)
+            through = test_tunnelling.shots_through(SHOTS, level)
+            progress.update(bar, completed=SHOTS)
+            yield Row(f"5 cm cube at a 1 cm plate, 1 to 1000 m/s, level {name}, {SHOTS} shots", "through", through,
+                      "0", through == 0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--count", type=int, default=1_000_000, help="pairs of each family (default: %(default)s)")
+    options = parser.parse_args()
+    found = list(rows(options.count))
+    others = list(wrong_answers.rows(max(options.count // OTHERS, 100)))
+    report("hard_cases", {"pairs of a family": options.count, "judge": "rational arithmetic, closed sets",
+                          "asked": "twice, with the sides swapped", "seeds": "crc32 of the family's name, chunk"},
+           found + others)
+    sys.exit(any(row.met is False for row in found))
+
+
+if __name__ == "__main__":
+    main()
