@@ -15,7 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
 from drone_sim import scene as scenes
-from drone_sim.collision.contacts import axes_of
+from drone_sim.collision.detection import axes_of
 from drone_sim.mesh import bounds
 
 DEEPEST = 0.005  # m that a drone may get into a wall

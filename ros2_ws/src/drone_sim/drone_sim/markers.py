@@ -4,7 +4,7 @@ import numpy as np
 
 from drone_sim import layouts
 from drone_sim.arrays import Floats
-from drone_sim.collision.contacts import Detection
+from drone_sim.collision.detection import Detection
 from drone_sim.world import World
 
 FREE, TOUCHING = (0.2, 0.8, 0.3, 1.0), (1.0, 0.2, 0.1, 1.0)

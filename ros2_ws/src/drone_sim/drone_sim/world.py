@@ -14,7 +14,7 @@ import numpy as np
 
 from drone_sim import effects, model
 from drone_sim.arrays import Floats
-from drone_sim.collision.contacts import Detection
+from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.solver import Motion
 from drone_sim.effects.gravity import Parameters as Gravity

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drone_sim.collision import floor, obb
-from drone_sim.collision.contacts import axes_of
+from drone_sim.collision.detection import axes_of
 from drone_sim.world import World
 
 Contact = tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]

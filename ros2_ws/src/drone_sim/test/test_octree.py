@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import octree, traversal, triangle
+from drone_sim.collision import obb, octree, traversal, triangle
 from drone_sim.collision.octree import Octree
 from drone_sim.rotation import matrix
 
@@ -289,3 +289,41 @@ def test_what_is_no_pose_is_refused() -> None:
         traversal.intersects(tree, good, tree, good, roots_a=np.array([len(tree.box)]))
     with pytest.raises(ValueError, match="margin: expected"):
         traversal.pairs(tree, good, tree, good, margin=-1.0)
+
+
+def test_contacts_are_those_of_the_triangles_that_meet() -> None:
+    a, b = octree.build(*torus(12, 9)), octree.build(*ball(10))
+    pose_a, pose_b = poses(20, 0.5), poses(20, 1.8, seed=2)
+    offsets, found, point, normal, depth = traversal.contacts(a, pose_a, b, pose_b)
+    for i in range(20):
+        rows = slice(offsets[i], offsets[i + 1])
+        left, right = world(a, pose_a[i])[found[rows, 0]], world(b, pose_b[i])[found[rows, 1]]
+        number, points, normals, depths = triangle.contacts(left, right)
+        assert len(number) == len(left)
+        for ours, theirs in ((point[rows], points), (normal[rows], normals), (depth[rows], depths)):
+            np.testing.assert_array_equal(ours, theirs)
+    assert len(depth) > 100
+
+
+@pytest.mark.parametrize("shape", ["ball", "torus", "soup"])
+def test_leaf_boxes_meet_as_in_brute_force(shape: str) -> None:
+    """Between triangles that meet and bounds that meet: some pairs are told apart by leaf boxes alone."""
+    a, b = octree.build(*cube()), octree.build(*SHAPES[shape])
+    pose_a, pose_b = poses(60, 0.5), poses(60, 2.2, seed=7)
+    hits = traversal.intersects(a, pose_a, b, pose_b, boxes=True)
+
+    def leaves(tree: Octree, pose: Floats) -> tuple[Floats, Floats, Floats]:
+        box = tree.box[tree.link[:, 1] == 0]
+        r = np.array(matrix(*pose[3:])).reshape(3, 3)
+        reach = np.linalg.norm(np.abs(tree.box[0, :3]) + tree.box[0, 3:])
+        pad = 16.0 * 2.0**-52 * (np.linalg.norm(pose[:3]) + reach)
+        centre = np.stack([(r[i, 0] * box[:, 0] + r[i, 1] * box[:, 1] + r[i, 2] * box[:, 2]) + pose[i]
+                           for i in range(3)], -1)
+        return centre, np.tile(r.T, (len(box), 1, 1)), box[:, 3:] + pad
+
+    for i in range(60):
+        left, right = leaves(a, pose_a[i]), leaves(b, pose_b[i])
+        n, m = len(left[0]), len(right[0])
+        pairs = [np.repeat(x, m, axis=0) for x in left] + [np.concatenate([x] * n) for x in right]
+        assert hits[i] == obb.intersects(*pairs).any()
+    assert (traversal.intersects(a, pose_a, b, pose_b) <= hits).all() and 0 < hits.sum() < 60

@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from drone_sim.collision.contacts import Detection
+from drone_sim.collision.detection import Detection
 from drone_sim.collision.manifold import Manifolds
 
 Vector = tuple[float, float, float]

@@ -4,9 +4,10 @@ from drone_sim.collision import features, obb
 from drone_sim.collision.surface import CORNER
 from drone_sim.kernel import kernel
 
-INSIDE = 0.02  # m; contacts are looked for this far below a surface, or as far as the margin above it
+INSIDE = 0.01  # m; contacts are looked for this far below a surface at least, or as far as the margin above it
 SHALLOW = 1e-3  # m; depths below it need no second look
-LEAST = 0.9  # of its depth: how far a contact's points must be from the other surface, else another way out is shorter
+LEAST = 0.5  # of its depth: how far a contact's feature is from the other surface at least (0.7 at a cube's edge), else
+# another way out is shorter
 
 
 @kernel
@@ -36,7 +37,7 @@ def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, 
     kept = 0
     for c in range(found):
         if separation[c] < -SHALLOW and _has_shorter_way(position, axes, a, b, near, near_count, corners, placed,
-                                                         point[c], LEAST * -separation[c]):
+                                                         point[c], feature[c], LEAST * -separation[c]):
             continue
         normal[kept], point[kept] = normal[c], point[c]
         separation[kept], feature[kept] = separation[c], feature[c]
@@ -45,9 +46,11 @@ def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, 
 
 
 @kernel
-def _has_shorter_way(position, axes, a, b, near, near_count, corners, placed, point, depth):
-    """Whether the other's surface is nearer than `depth` to the point on a or to that on b."""
+def _has_shorter_way(position, axes, a, b, near, near_count, corners, placed, point, feature, depth):
+    """Whether the other's surface is nearer than `depth` to the corner or one of the edges that a contact is of."""
     for side in range(2):
+        if feature % 4 != features.EDGES and side != feature % 4:
+            continue
         body = b if side == 0 else a
         r = turned_rows(axes, body)
         last = -1

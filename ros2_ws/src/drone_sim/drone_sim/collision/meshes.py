@@ -11,7 +11,7 @@ from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision import octree, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
-from drone_sim.collision.mesh_contacts import floor_contacts, leaf_contacts, triangle_contacts
+from drone_sim.collision.mesh_contacts import INSIDE, floor_contacts, leaf_contacts, triangle_contacts
 from drone_sim.collision.narrow import Placed
 from drone_sim.collision.reduction import MOST, reduce
 from drone_sim.collision.shape import Shape
@@ -60,7 +60,8 @@ def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, ev
                 raw.normal[:count] *= -1.0
         else:
             ask = traversal.NEAR_LEAVES if level[k] == OCTREE else traversal.NEAR
-            near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b], ask, margin, spare, raw.near, 0)
+            reach = max(margin, INSIDE)
+            near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b], ask, reach, spare, raw.near, 0)
             if near > raw.near.shape[0]:
                 return found, near, 0
             if level[k] == OCTREE:

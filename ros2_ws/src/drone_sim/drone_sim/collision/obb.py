@@ -146,7 +146,7 @@ def intersects(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike,
     """
     boxes = _pairs(center_a, axes_a, half_a, center_b, axes_b, half_b)
     hit = np.empty(len(boxes[0]), np.bool_)
-    bad = _intersects(*[array.reshape(-1) for array in boxes], hit.view(np.uint8))
+    bad = _intersects(*[*(array.reshape(-1) for array in boxes), hit.view(np.uint8)])
     if bad >= 0:
         raise ValueError(_what_is_wrong(boxes, bad))
     return hit
@@ -164,7 +164,7 @@ def contacts(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike, center_b
     n = len(boxes[0])
     count, normal, point = np.zeros(n, np.int64), np.zeros((n, 3)), np.zeros((n, POINTS, 3))
     apart, feature = np.zeros((n, POINTS)), np.zeros((n, POINTS), np.int64)
-    bad = _contacts(*boxes, count, normal, point, apart, feature)
+    bad = _contacts(*[*boxes, count, normal, point, apart, feature])
     if bad >= 0:
         raise ValueError(_what_is_wrong(boxes, bad))
     return count, normal, point, apart, feature

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import obb, sphere, traversal, triangle
+from drone_sim.collision import obb, sphere, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
 from drone_sim.collision.meshes import Meshes
 from drone_sim.collision.narrow import Placed
-from drone_sim.collision.shape import Shape, axes_at, placed
+from drone_sim.collision.shape import Shape, axes_at
 from drone_sim.model import MEETING, OBB, OCTREE, SPHERE, TRIANGLE
 
 
@@ -54,14 +54,11 @@ def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: in
     if level == OBB:
         return _of_boxes(np.full((1, 2), -1), *a.boxes(first), *b.boxes(second))
     if level == OCTREE:
-        _, leaves = traversal.pairs(a.tree, first, b.tree, second, margin=0.0, leaves=True)
+        leaves = traversal.pairs(a.tree, first, b.tree, second, leaves=True)[1].astype(np.int64)
         return _of_boxes(leaves, *a.leaves(first, leaves[:, 0]), *b.leaves(second, leaves[:, 1]))
     if level == TRIANGLE:
-        _, pairs = traversal.pairs(a.tree, first, b.tree, second)
-        number, point, normal, depth = triangle.contacts(placed(axes_at(first), first, a.tree.corners[pairs[:, 0]]),
-                                                         placed(axes_at(second), second, b.tree.corners[pairs[:, 1]]))
-        parts = np.stack([a.tree.face[pairs[number, 0]], b.tree.face[pairs[number, 1]]], axis=1)
-        return Contacts(point, normal, depth, parts)
+        _, pairs, point, normal, depth = traversal.contacts(a.tree, first, b.tree, second)
+        return Contacts(point, normal, depth, np.stack([a.tree.face[pairs[:, 0]], b.tree.face[pairs[:, 1]]], axis=1))
     raise _no_level(level)
 
 
@@ -70,7 +67,7 @@ def _of_boxes(parts: Integers, *boxes: Floats) -> Contacts:
     count, normal, point, separation, _ = obb.contacts(*boxes)
     held = np.arange(POINTS) < count[:, None]
     return Contacts(point[held], np.repeat(normal, count, axis=0), -separation[held],
-                    np.repeat(parts.astype(np.int64), count, axis=0))
+                    np.repeat(parts, count, axis=0))
 
 
 def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE,
@@ -111,10 +108,8 @@ def _poses(poses_a: ArrayLike, poses_b: ArrayLike) -> tuple[Floats, Floats]:
     for name, poses in (("poses_a", poses_a), ("poses_b", poses_b)):
         array = np.atleast_2d(np.asarray(poses, np.float64))
         if array.ndim != 2 or array.shape[1] != 7:
-            raise ValueError(f"{name}: expected a pose (7,) or poses (n, 7), got shape {np.shape(poses)}")
-        length = np.linalg.norm(array[:, 3:], axis=1)
-        if not (np.isfinite(array).all() and (np.abs(length - 1.0) <= traversal.UNIT).all()):
-            raise ValueError(f"{name}: expected finite positions and unit quaternions, got {poses}")
+            raise ValueError(f"{name}: expected a pose (7,) or poses (n, 7), got shape {array.shape}")
+        traversal.check(name, array)
         arrays.append(array)
     n = max(len(array) for array in arrays)
     for name, array in zip(("poses_a", "poses_b"), arrays, strict=True):

@@ -48,13 +48,29 @@ def turned(frames, s, x, y, z):
 
 
 @kernel
-def place(corners, i, pose, world):
-    """Writes triangle i's corners in the world, (3, 3): those that the answers are exact for."""
-    r = matrix(pose[3], pose[4], pose[5], pose[6])
+def placed(corners, i, turn, pose):
+    """Triangle i in the world, nine numbers: the corners that answers are exact for. turn: the pose's matrix."""
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
+    px, py, pz = pose[0], pose[1], pose[2]
+    x0, y0, z0 = corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2]
+    x1, y1, z1 = corners[i, 1, 0], corners[i, 1, 1], corners[i, 1, 2]
+    x2, y2, z2 = corners[i, 2, 0], corners[i, 2, 1], corners[i, 2, 2]
+    return ((r00 * x0 + r01 * y0 + r02 * z0) + px, (r10 * x0 + r11 * y0 + r12 * z0) + py,
+            (r20 * x0 + r21 * y0 + r22 * z0) + pz,
+            (r00 * x1 + r01 * y1 + r02 * z1) + px, (r10 * x1 + r11 * y1 + r12 * z1) + py,
+            (r20 * x1 + r21 * y1 + r22 * z1) + pz,
+            (r00 * x2 + r01 * y2 + r02 * z2) + px, (r10 * x2 + r11 * y2 + r12 * z2) + py,
+            (r20 * x2 + r21 * y2 + r22 * z2) + pz)
+
+
+@kernel
+def place_box(box, node, turn, pose, pad, out):
+    """Writes a node's box in the world, grown by `pad`, into out (15,): centre, axes one by one, half extents."""
+    x, y, z = box[node, 0], box[node, 1], box[node, 2]
     for k in range(3):
-        x, y, z = corners[i, k, 0], corners[i, k, 1], corners[i, k, 2]
-        for c in range(3):
-            world[k, c] = (r[3 * c] * x + r[3 * c + 1] * y + r[3 * c + 2] * z) + pose[c]
+        out[k] = (turn[3 * k] * x + turn[3 * k + 1] * y + turn[3 * k + 2] * z) + pose[k]
+        out[3 + 3 * k], out[4 + 3 * k], out[5 + 3 * k] = turn[k], turn[3 + k], turn[6 + k]
+        out[12 + k] = box[node, 3 + k] + pad
 
 
 @kernel

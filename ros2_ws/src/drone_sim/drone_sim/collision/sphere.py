@@ -54,7 +54,7 @@ def contact(ax, ay, az, ra, bx, by, bz, rb):
 
 @kernel
 def _exists(x, y, z, radius):
-    return math.isfinite(x) & math.isfinite(y) & math.isfinite(z) & (0.0 <= radius) & (radius < np.inf)
+    return math.isfinite(x) & math.isfinite(y) & math.isfinite(z) & (radius >= 0.0) & (radius < np.inf)
 
 
 @kernel
@@ -94,7 +94,7 @@ def contacts(center_a: ArrayLike, radius_a: ArrayLike, center_b: ArrayLike,
     spheres = _pairs(center_a, radius_a, center_b, radius_b)
     hit, n = _answers(spheres), len(spheres[0])
     normal, point, separation = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
-    _contacts(*spheres, normal, point, separation)
+    _contacts(*[*spheres, normal, point, separation])
     return hit, normal, point, separation
 
 
@@ -113,7 +113,7 @@ def _pairs(*arrays: ArrayLike) -> list[Floats]:
 
 def _answers(spheres: list[Floats]) -> Booleans:
     hit = np.empty(len(spheres[0]), np.bool_)
-    bad = _intersects(*spheres, hit)
+    bad = _intersects(*[*spheres, hit])
     if bad >= 0:
         for name, array in zip(NAMES, spheres, strict=True):
             if not np.isfinite(array[bad]).all():

@@ -57,11 +57,12 @@ def spread(link, tight, inner, wide):
 def meets(wide, g, q, size):
     """Which tight boxes of wide[g] may touch box q (15,), float32, as bits, and which of these is in deepest.
 
-    The six axes of the faces decide. size: no gap nor overlap can be larger, m.
+    All fifteen axes decide (Gottschalk, Lin and Manocha 1996). size: no gap nor overlap can be larger, m.
     """
     u0, u1, u2, v0, v1, v2, n0, n1, n2 = q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8]
     c0, c1, c2, g0, g1, g2 = q[9], q[10], q[11], q[12], q[13], q[14]
     nothing, scale = np.float32(0.0), np.float32(2.0**26) / size
+    slack = np.float32(SLACK) * size
     mask, deepest = np.int32(0), np.int32(-1)
     for k in range(LANES):  # one vector; sums into integers alone, or the compiler leaves it a loop
         a0, a1, a2 = wide[g, 0, k], wide[g, 1, k], wide[g, 2, k]
@@ -69,18 +70,29 @@ def meets(wide, g, q, size):
         m0, m1, m2 = wide[g, 6, k], wide[g, 7, k], wide[g, 8, k]
         d0, d1, d2 = c0 - wide[g, 9, k], c1 - wide[g, 10, k], c2 - wide[g, 11, k]
         h0, h1, h2 = wide[g, 12, k], wide[g, 13, k], wide[g, 14, k]
-        au, av, an = (abs(a0 * u0 + a1 * u1 + a2 * u2), abs(a0 * v0 + a1 * v1 + a2 * v2),
-                      abs(a0 * n0 + a1 * n1 + a2 * n2))
-        bu, bv, bn = (abs(b0 * u0 + b1 * u1 + b2 * u2), abs(b0 * v0 + b1 * v1 + b2 * v2),
-                      abs(b0 * n0 + b1 * n1 + b2 * n2))
-        mu, mv, mn = (abs(m0 * u0 + m1 * u1 + m2 * u2), abs(m0 * v0 + m1 * v1 + m2 * v2),
-                      abs(m0 * n0 + m1 * n1 + m2 * n2))
-        gap = abs(a0 * d0 + a1 * d1 + a2 * d2) - (h0 + au * g0 + av * g1 + an * g2)
-        gap = _larger(gap, abs(b0 * d0 + b1 * d1 + b2 * d2) - (h1 + bu * g0 + bv * g1 + bn * g2))
-        gap = _larger(gap, abs(m0 * d0 + m1 * d1 + m2 * d2) - (h2 + mu * g0 + mv * g1 + mn * g2))
-        gap = _larger(gap, abs(u0 * d0 + u1 * d1 + u2 * d2) - (g0 + au * h0 + bu * h1 + mu * h2))
-        gap = _larger(gap, abs(v0 * d0 + v1 * d1 + v2 * d2) - (g1 + av * h0 + bv * h1 + mv * h2))
-        gap = _larger(gap, abs(n0 * d0 + n1 * d1 + n2 * d2) - (g2 + an * h0 + bn * h1 + mn * h2))
+        r00, r01, r02 = a0 * u0 + a1 * u1 + a2 * u2, a0 * v0 + a1 * v1 + a2 * v2, a0 * n0 + a1 * n1 + a2 * n2
+        r10, r11, r12 = b0 * u0 + b1 * u1 + b2 * u2, b0 * v0 + b1 * v1 + b2 * v2, b0 * n0 + b1 * n1 + b2 * n2
+        r20, r21, r22 = m0 * u0 + m1 * u1 + m2 * u2, m0 * v0 + m1 * v1 + m2 * v2, m0 * n0 + m1 * n1 + m2 * n2
+        p00, p01, p02 = abs(r00), abs(r01), abs(r02)
+        p10, p11, p12 = abs(r10), abs(r11), abs(r12)
+        p20, p21, p22 = abs(r20), abs(r21), abs(r22)
+        t0, t1, t2 = a0 * d0 + a1 * d1 + a2 * d2, b0 * d0 + b1 * d1 + b2 * d2, m0 * d0 + m1 * d1 + m2 * d2
+        gap = _larger(abs(t0) - (h0 + p00 * g0 + p01 * g1 + p02 * g2),
+                      _larger(abs(t1) - (h1 + p10 * g0 + p11 * g1 + p12 * g2),
+                              abs(t2) - (h2 + p20 * g0 + p21 * g1 + p22 * g2)))
+        gap = _larger(gap, abs(u0 * d0 + u1 * d1 + u2 * d2) - (g0 + p00 * h0 + p10 * h1 + p20 * h2))
+        gap = _larger(gap, abs(v0 * d0 + v1 * d1 + v2 * d2) - (g1 + p01 * h0 + p11 * h1 + p21 * h2))
+        gap = _larger(gap, abs(n0 * d0 + n1 * d1 + n2 * d2) - (g2 + p02 * h0 + p12 * h1 + p22 * h2))
+        edge = _larger(_larger(abs(t2 * r10 - t1 * r20) - (h1 * p20 + h2 * p10 + g1 * p02 + g2 * p01),
+                               abs(t2 * r11 - t1 * r21) - (h1 * p21 + h2 * p11 + g0 * p02 + g2 * p00)),
+                       abs(t2 * r12 - t1 * r22) - (h1 * p22 + h2 * p12 + g0 * p01 + g1 * p00))
+        edge = _larger(edge, _larger(abs(t0 * r20 - t2 * r00) - (h0 * p20 + h2 * p00 + g1 * p12 + g2 * p11),
+                                     abs(t0 * r21 - t2 * r01) - (h0 * p21 + h2 * p01 + g0 * p12 + g2 * p10)))
+        edge = _larger(edge, _larger(abs(t0 * r22 - t2 * r02) - (h0 * p22 + h2 * p02 + g0 * p11 + g1 * p10),
+                                     abs(t1 * r00 - t0 * r10) - (h0 * p10 + h1 * p00 + g1 * p22 + g2 * p21)))
+        edge = _larger(edge, _larger(abs(t1 * r01 - t0 * r11) - (h0 * p11 + h1 * p01 + g0 * p22 + g2 * p20),
+                                     abs(t1 * r02 - t0 * r12) - (h0 * p12 + h1 * p02 + g0 * p21 + g1 * p20)))
+        gap = _larger(gap, edge - slack)
         far = gap > nothing
         mask |= np.int32(0) if far else np.int32(1) << np.int32(k)
         depth = np.int32(-gap * scale) if gap > -size else np.int32(0)
@@ -90,11 +102,11 @@ def meets(wide, g, q, size):
 
 @kernel
 def aligned_meets(wide, g, q, size):
-    """As `meets`, for the aligned boxes and a box q (15,) aligned to another frame: its centre in the boxes' frame, its
-    half extents, and nine numbers, row by row, that turn its frame into theirs."""
-    m0, m1, m2, m3, m4, m5, m6, m7, m8 = q[6], q[7], q[8], q[9], q[10], q[11], q[12], q[13], q[14]
+    """As `meets`, for the aligned boxes and a box q (15,) aligned to another frame: nine numbers, row by row, that turn
+    its frame into theirs, then its centre and half extents."""
+    m0, m1, m2, m3, m4, m5, m6, m7, m8 = q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8]
     p0, p1, p2, p3, p4, p5, p6, p7, p8 = abs(m0), abs(m1), abs(m2), abs(m3), abs(m4), abs(m5), abs(m6), abs(m7), abs(m8)
-    c0, c1, c2, g0, g1, g2 = q[0], q[1], q[2], q[3], q[4], q[5]
+    c0, c1, c2, g0, g1, g2 = q[9], q[10], q[11], q[12], q[13], q[14]
     r0, r1, r2 = p0 * g0 + p1 * g1 + p2 * g2, p3 * g0 + p4 * g1 + p5 * g2, p6 * g0 + p7 * g1 + p8 * g2
     nothing, scale = np.float32(0.0), np.float32(2.0**26) / size
     mask, deepest = np.int32(0), np.int32(-1)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from drone_sim.arrays import Floats
-from drone_sim.collision.contacts import Detection
+from drone_sim.collision.detection import Detection
 from drone_sim.kernel import kernel
 from drone_sim.model import Model
 from drone_sim.rotation import matrix, rotate

@@ -43,7 +43,7 @@ class Detection:
         """Gets ready for the levels as they are now. Raises mesh.MeshError for models that cannot be read."""
         bodies = self.levels.meshes()
         if not np.array_equal(self._with_meshes, bodies):
-            self._meshes = meshes.read(self._model, bodies)
+            self._meshes = meshes.read(self._model, bodies) if len(bodies) else None
             self._with_meshes = bodies
         self._radius = self._ball if self.levels.uses(SPHERE) else np.zeros_like(self._ball)
 
