@@ -18,6 +18,7 @@ BETWEEN = 1 << 20 | 1 << 41 | 1 << 62
 PLACE = 255  # the low bits of a cell's place: bodies that overlap never stand in cells of one level as far apart
 LOWEST, GUEST = 27, 1 << 30  # bits of a tag
 SAME, BEGINS = (1 << LOWEST) - 1, 7 << LOWEST
+ONE, SHIFT = np.uint64(1), np.uint64(32)  # unsigned as indices are, which spares a test for negative ones
 
 
 @kernel
@@ -77,11 +78,11 @@ def _list(low, high, i, level, per_metre, guest, start, bucket, listed, count):
         for y in range(along_y[0], along_y[1] + 1):
             for z in range(along_z[0], along_z[1] + 1):
                 if count < bucket.shape[0]:
-                    h = _bucket(x, y, z, level, mask)
-                    start[h + 1] += 1
-                    bucket[count] = h
+                    h, at = np.uint64(_bucket(x, y, z, level, mask) + 1), np.uint64(count)
+                    start[h] += 1
+                    bucket[at] = h
                     a, b, tag = _entry(x, y, z, level, along_x, along_y, along_z)
-                    listed[count, 0], listed[count, 1], listed[count, 2] = a, b, i << 32 | tag | guest
+                    listed[at, 0], listed[at, 1], listed[at, 2] = a, b, i << 32 | tag | guest
                 count += 1
     return count
 
@@ -101,7 +102,8 @@ def fill(low, high, bodies, count, home, per_metre, top, start, bucket, listed, 
     """Sorts the entries of `count` bodies by bucket, in each those at home first; returns how many there are.
 
     More than the buffers hold are counted, and the table is then void. top: the highest level with guests.
-    start: (buckets + 1,) where a bucket begins. listed, entry: (m, 3) low and high corner, body and tag.
+    start: (buckets + 1,) where a bucket begins. bucket: (m,) that of each listed entry, counted from 1.
+    listed, entry: (m, 3) low and high corner, body and tag.
     """
     start[:] = 0
     total = 0
@@ -115,10 +117,10 @@ def fill(low, high, bodies, count, home, per_metre, top, start, bucket, listed, 
     if total > bucket.shape[0]:
         return total
     _begins(start[1:], start.shape[0] - 1)
-    for e in range(total):  # moves start[h + 1] from where bucket h begins to where it ends
-        h = bucket[e]
-        p = start[h + 1]
-        start[h + 1] = p + 1
+    for e in range(np.uint64(total)):  # moves start[h] from where the bucket begins to where it ends
+        h = np.uint64(bucket[e])
+        p = np.uint64(start[h])
+        start[h] += 1
         entry[p, 0], entry[p, 1], entry[p, 2] = listed[e, 0], listed[e, 1], listed[e, 2]
     return total
 
@@ -129,7 +131,7 @@ def _gather(own, low, high, first, end, entry, pair, found):
 
     The three axes are compared at once: a bit between them stays set where a difference is not negative. No branch
     depends on the answer: processors guess them, and half of the guesses would be wrong. `pair` needs room for all
-    entries. Unsigned indices spare a test for negative ones.
+    entries.
     """
     body = own >> 32 << 32
     high |= BETWEEN
@@ -146,17 +148,17 @@ def _gather(own, low, high, first, end, entry, pair, found):
 @kernel
 def meet(start, entry, pair):
     """Pairs of a table's bodies; returns how many, and how many were tried. More than `pair` has room for: -1."""
-    found = tried = 0
-    for h in range(start.shape[0] - 1):
-        end = start[h + 1]
-        for p in range(start[h], end - 1):
-            own = entry[p, 2]
+    found = tried = np.int64(0)
+    for h in range(np.uint64(start.shape[0] - 1)):
+        first, end = np.uint64(start[h]), np.uint64(start[h + ONE])
+        for p in range(first, end):
+            own, others = entry[p, 2], np.int64(end - p - ONE)
             if own & GUEST:
                 break
-            if found + end - p > pair.shape[0]:
+            if found + others > pair.shape[0]:
                 return -1, tried
-            found = _gather(own, entry[p, 0], entry[p, 1], p + 1, end, entry, pair, found)
-            tried += end - p
+            found = _gather(own, entry[p, 0], entry[p, 1], p + ONE, end, entry, pair, found)
+            tried += others
     return found, tried
 
 
@@ -199,23 +201,24 @@ def put_in_order(low, high, pair, found, count, spare, ordered):
     count[:n] = 0
     kept = 0
     for k in range(found):
-        i, j = pair[k] >> 32, pair[k] & 0xFFFFFFFF
+        i, j = np.uint64(pair[k] >> 32), np.uint64(pair[k] & 0xFFFFFFFF)
         if overlap(low, high, i, j):
             a, b = min(i, j), max(i, j)
-            pair[kept] = a << 32 | b
+            pair[kept] = np.int64(a << SHIFT | b)
             kept += 1
             count[b] += 1
     _begins(count, n)
-    for k in range(kept):
-        b = pair[k] & 0xFFFFFFFF
-        spare[count[b]] = pair[k]
+    for k in range(np.uint64(kept)):
+        b = np.uint64(pair[k] & 0xFFFFFFFF)
+        spare[np.uint64(count[b])] = pair[k]
         count[b] += 1
     count[:n] = 0
-    for k in range(kept):
-        count[spare[k] >> 32] += 1
+    for k in range(np.uint64(kept)):
+        count[np.uint64(spare[k] >> 32)] += 1
     _begins(count, n)
-    for k in range(kept):
-        a = spare[k] >> 32
-        ordered[0, count[a]], ordered[1, count[a]] = a, spare[k] & 0xFFFFFFFF
+    for k in range(np.uint64(kept)):
+        a = np.uint64(spare[k] >> 32)
+        at = np.uint64(count[a])
+        ordered[0, at], ordered[1, at] = a, spare[k] & 0xFFFFFFFF
         count[a] += 1
     return kept
