@@ -34,7 +34,7 @@ def parallel(rng: Generator, n: int) -> Pairs:
     half_a, half_b = rng.integers(1, 9, (2, n, 3)) * rng.choice([0.125, 0.1], (n, 1))
     reach = half_a + np.einsum("nij,nj->ni", np.abs(np.einsum("nik,njk->nij", axes_a, axes_b)), half_b)
     share = np.where(rng.random((n, 3)) < 0.5, rng.choice([-1.0, 1.0], (n, 3)), rng.uniform(-1, 1, (n, 3)))
-    center_a = rng.integers(-8, 9, (n, 3)) * 0.25
+    center_a = rng.integers(-8, 9, (n, 3)).astype(np.float64) * 0.25
     center_b = center_a + np.einsum("ni,nij->nj", share * reach, axes_a)
     return nudged(rng, center_a, axes_a, half_a, center_b, axes_b, half_b)
 
@@ -172,4 +172,5 @@ def _farthest(rng: Generator, axes: Floats, half: Floats, way: Floats) -> Floats
     """A point of the box at the origin that is farthest along `way`: a corner, or one on an edge or face of these."""
     side = np.sign(np.einsum("nij,nj->ni", axes, way))
     anywhere = rng.integers(-8, 9, side.shape) / 8.0
-    return np.einsum("ni,nij->nj", np.where(side == 0, anywhere, side) * half, axes)
+    point: Floats = np.einsum("ni,nij->nj", np.where(side == 0, anywhere, side) * half, axes)
+    return point

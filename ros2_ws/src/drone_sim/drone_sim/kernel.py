@@ -1,4 +1,4 @@
-"""The one way to compile a function: `@kernel`.
+"""The one way to compile a function: `@kernel`, or `@inlined` for what many loops share.
 
 Kernels are cached on disk, in a folder named after the text of all files that have one: numba's own cache does not
 notice an edit in a file that a kernel calls into, and a stale kernel would be a wrong simulation.
@@ -45,3 +45,8 @@ def compiled_before() -> bool:
 def kernel(function: F) -> F:
     """Compiles a function of numbers, tuples and arrays when it is first called. No fast-math: runs repeat bitwise."""
     return numba.njit(cache=True, error_model="numpy")(function)  # type: ignore[no-any-return]
+
+
+def inlined(function: F) -> F:
+    """A kernel that is compiled into each of its callers: their loops over it can then be vectorised."""
+    return numba.njit(cache=True, error_model="numpy", forceinline=True)(function)  # type: ignore[no-any-return]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_sim.collision import floor, obb
+from drone_sim.collision import floor, obb, sat
 from drone_sim.collision.detection import axes_of
 from drone_sim.world import World
 
@@ -20,11 +20,11 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
     poses = np.array([pose_a, pose_b], float)
     axes = np.empty((2, 3, 3))
     axes_of(poses[:, 3:], axes)
-    normal, point, separation = np.zeros(3), np.zeros((8, 3)), np.zeros(8)
-    feature, scratch = np.zeros(8, np.int64), np.empty((3, 15))
+    points, normal, point, separation = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 8, 3)), np.zeros((1, 8))
+    feature = np.zeros((1, 8), np.int64)
     boxes = poses[:, :3], axes, np.array([half_a, half_b], float)
-    count = obb.contact(*boxes, 0, *boxes, 1, margin, normal, point, separation, feature, scratch)
-    return count, normal, point[:count], separation[:count], feature[:count]
+    count = obb.contact(*boxes, 0, *boxes, 1, margin, 0, points, normal, point, separation, feature, *obb.scratch())
+    return count, normal[0], point[0, :count], separation[0, :count], feature[0, :count]
 
 
 def pose(x: float, y: float, z: float, turn: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
@@ -78,7 +78,7 @@ def directions(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray,
     axes = np.empty((2, 3, 3))
     axes_of(np.array([pose_a, pose_b])[:, 3:], axes)
     edges = np.cross(axes[0][:, None], axes[1][None]).reshape(9, 3)
-    edges = edges[np.sum(edges**2, axis=1) >= obb.PARALLEL]
+    edges = edges[np.sum(edges**2, axis=1) >= sat.PARALLEL]
     lines = np.vstack([*axes, edges / np.linalg.norm(edges, axis=1, keepdims=True)])
     both = np.vstack([lines, -lines])
     reach = np.abs(both @ axes[0].T) @ half_a + np.abs(both @ axes[1].T) @ half_b
@@ -103,7 +103,7 @@ def test_swapping_the_boxes_turns_the_normal(pa: tuple, ta: tuple, ha: tuple, pb
     normals, apart = directions(*a, *b)
     best = np.argmax(apart)
     others = np.linalg.norm(normals - normals[best], axis=1) > 1e-9
-    if apart[others].max() < apart[best] - obb.FACE_PREFERENCE * min(*ha, *hb) - 1e-9:  # no tie
+    if apart[others].max() < apart[best] - sat.FACE_PREFERENCE * min(*ha, *hb) - 1e-9:  # no tie
         np.testing.assert_allclose(first[1], normals[best], atol=1e-6)
         np.testing.assert_allclose(second[1], -normals[best], atol=1e-6)
         assert first[3].min() == pytest.approx(second[3].min(), abs=1e-9)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drone_sim.collision import octree, ray, ray_triangle
+from drone_sim.collision import triangle as triangles
 from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE
 from drone_sim.rotation import rotate_all
 
@@ -111,8 +112,9 @@ def test_a_triangle_is_hit_where_exact_arithmetic_says(o: np.ndarray, d: np.ndar
     triangle = np.array([a, b, c])
     got, expected = one(o, d, triangle), exactly(o, d, triangle)
     assert (got < math.inf) == (expected is not None)
-    if expected is not None:
-        assert got == pytest.approx(float(expected), abs=1e-9)
+    if expected is not None and abs(got - float(expected)) > 1e-9:  # along what is seen nearly edge on
+        point = np.tile(o + got * d, (1, 3, 1))
+        assert triangles.distances(point, triangle[None])[0][0] < 1e-9
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e6])

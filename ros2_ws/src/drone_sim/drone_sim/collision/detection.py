@@ -3,7 +3,7 @@
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision import grid, meshes
+from drone_sim.collision import grid, meshes, obb
 from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels
 from drone_sim.collision.manifold import Manifolds, anchor
@@ -26,7 +26,7 @@ class Detection:
         self._grid = grid.Grid(bodies.half[bodies.solid])
         self._low, self._high = np.empty((2, bodies.count, 3))
         self._ball: Floats = np.linalg.norm(bodies.half, axis=1)
-        self._scratch = np.empty((3, 15))
+        self._scratch = obb.scratch()
         half = bodies.half.copy()
         half[[plane.body for plane in model.floors]] = np.inf
         self._now = Placed(np.arange(bodies.count), state.position_w, state.orientation_w, self.axes, half)

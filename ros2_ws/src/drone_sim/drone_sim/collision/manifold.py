@@ -1,11 +1,15 @@
 """Contacts: for each pair that touches or nearly does, a normal and up to eight points, and how boxes come to them."""
 
+import math
+
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
+from drone_sim.collision.sat import AXIS, BLOCK, GAP, MARGIN, PLACE, SWAPPED
 from drone_sim.kernel import kernel
 
 POINTS = 8  # of a manifold, at most
+CUT = 68  # four numbers each of the 16 points that may be corners of what two faces cover, and one more
 HAIR = 1e-9  # of a face's size
 STEEP = 1e-100  # m, m2: what is shorter or smaller than this is cut nowhere
 SAME_SIDE = 0.9  # cosine of the angle up to which a contact is still that of the step before
@@ -98,120 +102,169 @@ def carry_over(first, count, pair, points, normal, feature, impulse, old_first, 
 
 
 @kernel
-def clip(box, r, o, face, side, margin, depth, of_b, point, separation, feature):
-    """Clips the face of box o that looks most against a face of box r to the latter; returns the number of points.
+def cut_faces(table, count, which, points, normal, point, separation, feature, cut):
+    """The manifolds of the columns that `rank` gave a face as axis: the face of the other box that looks most against
+    it, clipped to it. Column k writes what is number which[k] of the arrays. cut: (CUT,) scratch.
 
-    box: (2, 15), each centre, axes, half extents, seen from where the points are wanted. side: 1 or -1, of the face.
-    depth: separation along the face's normal, m. of_b: whether r is b of the pair, for the features.
+    Corners of what both faces cover are corners of the one, corners of the other and crossings of edges: all are
+    tried without branches, which would be guessed wrong, and written one over the other until one counts.
     """
-    u, v = (face + 1) % 3, (face + 2) % 3
-    incident, most, sign = 0, -1.0, 1.0
-    for k in range(3):
-        facing = side * _dot(box, r, face, box[o, 3 + 3 * k], box[o, 4 + 3 * k], box[o, 5 + 3 * k])
-        if abs(facing) > most:
-            incident, most, sign = k, abs(facing), -1.0 if facing > 0.0 else 1.0
-    p, q = (incident + 1) % 3, (incident + 2) % 3
-    # Of the incident face in the frame of the reference face (u, v along it, w above it): the middle, half its edges.
-    mid = sign * box[o, 12 + incident]
-    x, y, z = box[o, 0] - box[r, 0], box[o, 1] - box[r, 1], box[o, 2] - box[r, 2]
-    x, y, z = (x + mid * box[o, 3 + 3 * incident], y + mid * box[o, 4 + 3 * incident],
-               z + mid * box[o, 5 + 3 * incident])
-    cu, cv, cw = _dot(box, r, u, x, y, z), _dot(box, r, v, x, y, z), side * _dot(box, r, face, x, y, z)
-    x, y, z, h = box[o, 3 + 3 * p], box[o, 4 + 3 * p], box[o, 5 + 3 * p], box[o, 12 + p]
-    pu, pv, pw = h * _dot(box, r, u, x, y, z), h * _dot(box, r, v, x, y, z), side * h * _dot(box, r, face, x, y, z)
-    x, y, z, h = box[o, 3 + 3 * q], box[o, 4 + 3 * q], box[o, 5 + 3 * q], box[o, 12 + q]
-    qu, qv, qw = h * _dot(box, r, u, x, y, z), h * _dot(box, r, v, x, y, z), side * h * _dot(box, r, face, x, y, z)
-    cw -= box[r, 12 + face]
-    # The reference face is a hair larger, so that equal faces on each other do not give every corner twice.
-    hair = HAIR * (box[r, 12 + u] + box[r, 12 + v])
-    limit_u, limit_v = box[r, 12 + u] + hair, box[r, 12 + v] + hair
-    name = ((3 if of_b else 0) + face) * 3 + incident << 6
-    found = 0
-    inside = 0
-    for corner in range(4):  # a bit each: which end of p, which end of q
-        s, t = 1.0 if corner & 1 else -1.0, 1.0 if corner & 2 else -1.0
-        a, b = cu + s * pu + t * qu, cv + s * pv + t * qv
-        if abs(a) <= limit_u and abs(b) <= limit_v:
-            inside |= 1 << corner
-            found = _put(found, a, b, cw + s * pw + t * qw, margin, name + corner, point, separation, feature)
-    if inside != 15:
-        for edge in range(4):  # two along p, then two along q
+    for k in range(count):
+        axis = int(table[AXIS + k])
+        if axis >= 6:
+            continue
+        r = 0 if axis < 3 else 1
+        face = axis - 3 * r
+        own, other, own_half, other_half = 9 + 9 * r, 18 - 9 * r, 3 + 3 * r, 6 - 3 * r
+        toward = 1.0 if r == 0 else -1.0  # from box r to the other
+        dx, dy, dz = toward * table[k], toward * table[BLOCK + k], toward * table[2 * BLOCK + k]
+        nx, ny, nz = _column(table, k, own + 3 * face)
+        side = 1.0 if nx * dx + ny * dy + nz * dz >= 0.0 else -1.0
+        nx, ny, nz = side * nx, side * ny, side * nz
+        ux, uy, uz = _column(table, k, own + 3 * ((face + 1) % 3))
+        vx, vy, vz = _column(table, k, own + 3 * ((face + 2) % 3))
+        x, y, z = _column(table, k, other)
+        f0 = x * nx + y * ny + z * nz
+        x, y, z = _column(table, k, other + 3)
+        f1 = x * nx + y * ny + z * nz
+        x, y, z = _column(table, k, other + 6)
+        f2 = x * nx + y * ny + z * nz
+        most = max(abs(f0), abs(f1), abs(f2))
+        incident = 0 if abs(f0) == most else 1 if abs(f1) == most else 2
+        facing = f0 if incident == 0 else f1 if incident == 1 else f2
+        # Of the incident face in the frame of the reference face (u, v along it, w above): the middle, half its edges.
+        h = table[(other_half + incident) * BLOCK + k]
+        h = -h if facing > 0.0 else h
+        x, y, z = _column(table, k, other + 3 * incident)
+        x, y, z = dx + h * x, dy + h * y, dz + h * z
+        height = table[(own_half + face) * BLOCK + k]
+        cu, cv, cw = x * ux + y * uy + z * uz, x * vx + y * vy + z * vz, x * nx + y * ny + z * nz - height
+        p, q = (incident + 1) % 3, (incident + 2) % 3
+        h = table[(other_half + p) * BLOCK + k]
+        x, y, z = _column(table, k, other + 3 * p)
+        pu, pv, pw = h * (x * ux + y * uy + z * uz), h * (x * vx + y * vy + z * vz), h * (x * nx + y * ny + z * nz)
+        h = table[(other_half + q) * BLOCK + k]
+        x, y, z = _column(table, k, other + 3 * q)
+        qu, qv, qw = h * (x * ux + y * uy + z * uz), h * (x * vx + y * vy + z * vz), h * (x * nx + y * ny + z * nz)
+        # The reference face is a hair larger, so that equal faces on each other do not give every corner twice.
+        lu, lv = table[(own_half + (face + 1) % 3) * BLOCK + k], table[(own_half + (face + 2) % 3) * BLOCK + k]
+        hair = HAIR * (lu + lv)
+        lu, lv, margin = lu + hair, lv + hair, table[MARGIN + k]
+
+        end, inside = 0, 0  # end: of what is in cut, four numbers a point
+        for corner in range(4):  # of the incident face: a bit each, which end of p, which end of q
+            s, t = 1.0 if corner & 1 else -1.0, 1.0 if corner & 2 else -1.0
+            a, b, c = cu + s * pu + t * qu, cv + s * pv + t * qv, cw + s * pw + t * qw
+            within = (abs(a) <= lu) & (abs(b) <= lv)
+            cut[end], cut[end + 1], cut[end + 2], cut[end + 3] = a, b, c, corner
+            inside |= within << corner
+            end += 4 * (within & (c <= margin))
+        for edge in range(4):  # of the incident face: two along p, two along q, each |t| < 1
             if edge < 2:
-                t = 1.0 if edge == 1 else -1.0
-                start, end = inside >> 2 * edge & 1, inside >> 2 * edge + 1 & 1
-                a, b, c, eu, ev, ew = cu + t * qu, cv + t * qv, cw + t * qw, pu, pv, pw
+                s, eu, ev, ew = 2.0 * edge - 1.0, pu, pv, pw
+                a, b, c = cu + s * qu, cv + s * qv, cw + s * qw
+                start, stop = inside >> 2 * edge & 1, inside >> 2 * edge + 1 & 1
             else:
-                t = 1.0 if edge == 3 else -1.0
-                start, end = inside >> edge - 2 & 1, inside >> edge & 1
-                a, b, c, eu, ev, ew = cu + t * pu, cv + t * pv, cw + t * pw, qu, qv, qw
-            if start and end:
-                continue
+                s, eu, ev, ew = 2.0 * edge - 5.0, qu, qv, qw
+                a, b, c = cu + s * pu, cv + s * pv, cw + s * pw
+                start, stop = inside >> edge - 2 & 1, inside >> edge & 1
             per_u = 1.0 / eu if abs(eu) > STEEP else 1.0 / STEEP
             per_v = 1.0 / ev if abs(ev) > STEEP else 1.0 / STEEP
-            middle_u, middle_v, reach_u, reach_v = -a * per_u, -b * per_v, limit_u * abs(per_u), limit_v * abs(per_v)
-            enter, leave = max(middle_u - reach_u, middle_v - reach_v), min(middle_u + reach_u, middle_v + reach_v)
-            if not start and -1.0 < enter < 1.0 and enter < leave:
-                plane = 0 if middle_u - reach_u >= middle_v - reach_v else 1
-                found = _put(found, a + enter * eu, b + enter * ev, c + enter * ew, margin,
-                             name + 8 + 4 * edge + 2 * plane, point, separation, feature)
-            if not end and -1.0 < leave < 1.0 and enter < leave:
-                plane = 0 if middle_u + reach_u <= middle_v + reach_v else 1
-                found = _put(found, a + leave * eu, b + leave * ev, c + leave * ew, margin,
-                             name + 9 + 4 * edge + 2 * plane, point, separation, feature)
+            enter_u, enter_v = -a * per_u - lu * abs(per_u), -b * per_v - lv * abs(per_v)
+            leave_u, leave_v = -a * per_u + lu * abs(per_u), -b * per_v + lv * abs(per_v)
+            enter, leave = max(enter_u, enter_v), min(leave_u, leave_v)
+            t = c + enter * ew
+            cut[end], cut[end + 1], cut[end + 2] = a + enter * eu, b + enter * ev, t
+            cut[end + 3] = 8 + 4 * edge + (enter != enter_u)
+            end += 4 * ((start == 0) & (enter < leave) & (enter > -1.0) & (enter < 1.0) & (t <= margin))
+            t = c + leave * ew
+            cut[end], cut[end + 1], cut[end + 2] = a + leave * eu, b + leave * ev, t
+            cut[end + 3] = 10 + 4 * edge + (leave != leave_u)
+            end += 4 * ((stop == 0) & (enter < leave) & (leave > -1.0) & (leave < 1.0) & (t <= margin))
         area = pu * qv - pv * qu
-        if abs(area) > STEEP:
-            per = 1.0 / area
-            for corner in range(4):  # of the reference face, above or below the incident face
-                a, b = limit_u if corner & 1 else -limit_u, limit_v if corner & 2 else -limit_v
-                s, t = ((a - cu) * qv - (b - cv) * qu) * per, ((b - cv) * pu - (a - cu) * pv) * per
-                if abs(s) < 1.0 and abs(t) < 1.0:
-                    found = _put(found, a, b, cw + s * pw + t * qw, margin, name + 4 + corner, point, separation,
-                                 feature)
-    if found == 0 and depth <= hair:  # they overlap beside the incident face: its corner that is deepest
-        s, t = 1.0 if pw < 0.0 else -1.0, 1.0 if qw < 0.0 else -1.0
-        corner = (1 if s > 0.0 else 0) + (2 if t > 0.0 else 0)
-        found = _put(0, cu + s * pu + t * qu, cv + s * pv + t * qv, depth, np.inf, name + corner, point, separation,
-                     feature)
-    for k in range(found):
-        a, b, c = point[k, 0], point[k, 1], side * (box[r, 12 + face] + 0.5 * separation[k])
-        for i in range(3):
-            point[k, i] = (box[r, i] + a * box[r, 3 + 3 * u + i] + b * box[r, 3 + 3 * v + i]
-                           + c * box[r, 3 + 3 * face + i])
-    return found
+        per = 1.0 / area if abs(area) > STEEP else 0.0
+        for corner in range(4):  # of the reference face, above or below the incident face
+            a, b = lu if corner & 1 else -lu, lv if corner & 2 else -lv
+            s, t = ((a - cu) * qv - (b - cv) * qu) * per, ((b - cv) * pu - (a - cu) * pv) * per
+            c = cw + s * pw + t * qw
+            cut[end], cut[end + 1], cut[end + 2], cut[end + 3] = a, b, c, 4 + corner
+            end += 4 * ((abs(s) < 1.0) & (abs(t) < 1.0) & (per != 0.0) & (c <= margin))
+        if end == 0 and table[GAP + k] <= hair:  # they overlap beside the incident face: its corner that is deepest
+            s, t = 1.0 if pw < 0.0 else -1.0, 1.0 if qw < 0.0 else -1.0
+            cut[0], cut[1], cut[2] = cu + s * pu + t * qu, cv + s * pv + t * qv, table[GAP + k]
+            cut[3] = (s > 0.0) + 2 * (t > 0.0)
+            end = 4
+
+        at = which[k]
+        swapped = table[SWAPPED + k] > 0.0
+        s = toward if not swapped else -toward
+        normal[at, 0], normal[at, 1], normal[at, 2] = s * nx, s * ny, s * nz
+        x, y, z = _column(table, k, PLACE // BLOCK)
+        if r == 1:
+            x, y, z = x - dx, y - dy, z - dz
+        name = ((3 if (r == 1) != swapped else 0) + face) * 3 + incident << 6  # whether a face of b, and which
+        found = min(end // 4, POINTS)
+        points[at] = found
+        for n in range(found):
+            a, b, s = cut[4 * n], cut[4 * n + 1], cut[4 * n + 2]
+            c = height + 0.5 * s
+            point[at, n, 0] = x + (a * ux + b * vx + c * nx)
+            point[at, n, 1] = y + (a * uy + b * vy + c * ny)
+            point[at, n, 2] = z + (a * uz + b * vz + c * nz)
+            separation[at, n] = s
+            feature[at, n] = name + int(cut[4 * n + 3])
 
 
 @kernel
-def _put(found, a, b, s, margin, name, point, separation, feature):
-    if s > margin or found == POINTS:
-        return found
-    point[found, 0], point[found, 1], separation[found], feature[found] = a, b, s, name
-    return found + 1
+def cross_edges(table, count, which, points, normal, point, separation, feature):
+    """The manifolds of the columns that `rank` gave a crossing of two edges as axis: one point, midway between those
+    two edges that face each other. Column k writes what is number which[k] of the arrays."""
+    for k in range(count):
+        axis = int(table[AXIS + k]) - 6
+        if axis < 0:
+            continue
+        i = axis // 3
+        j = axis - 3 * i
+        e, f, g = _column(table, k, 9 + 3 * i)
+        u, v, w = _column(table, k, 18 + 3 * j)
+        dx, dy, dz = _column(table, k, 0)
+        nx, ny, nz = f * w - g * v, g * u - e * w, e * v - f * u
+        s = 1.0 if nx * dx + ny * dy + nz * dz >= 0.0 else -1.0
+        s /= math.sqrt(nx * nx + ny * ny + nz * nz)
+        nx, ny, nz = s * nx, s * ny, s * nz
+        ax, ay, az = _column(table, k, PLACE // BLOCK)
+        bx, by, bz = ax + dx, ay + dy, az + dz
+        for n in range(1, 3):
+            row = (i + n) % 3
+            x, y, z = _column(table, k, 9 + 3 * row)
+            s = table[(3 + row) * BLOCK + k]
+            s = s if x * nx + y * ny + z * nz >= 0.0 else -s
+            ax, ay, az = ax + s * x, ay + s * y, az + s * z
+            row = (j + n) % 3
+            x, y, z = _column(table, k, 18 + 3 * row)
+            s = table[(6 + row) * BLOCK + k]
+            s = -s if x * nx + y * ny + z * nz >= 0.0 else s
+            bx, by, bz = bx + s * x, by + s * y, bz + s * z
+        # Closest points of two lines (Ericson 2005, Real-Time Collision Detection, 5.1.8); not parallel.
+        cosine = e * u + f * v + g * w
+        x, y, z = ax - bx, ay - by, az - bz
+        on_a, on_b = e * x + f * y + g * z, u * x + v * y + w * z
+        per = 1.0 / (1.0 - cosine * cosine)
+        s, t = table[(3 + i) * BLOCK + k], table[(6 + j) * BLOCK + k]
+        s = min(max((cosine * on_b - on_a) * per, -s), s)
+        t = min(max((on_b - cosine * on_a) * per, -t), t)
+        at = which[k]
+        point[at, 0, 0] = 0.5 * (ax + s * e + bx + t * u)
+        point[at, 0, 1] = 0.5 * (ay + s * f + by + t * v)
+        point[at, 0, 2] = 0.5 * (az + s * g + bz + t * w)
+        swapped = table[SWAPPED + k] > 0.0
+        s = -1.0 if swapped else 1.0
+        normal[at, 0], normal[at, 1], normal[at, 2] = s * nx, s * ny, s * nz
+        separation[at, 0] = table[GAP + k]
+        feature[at, 0] = (1 << 20) + (3 * j + i if swapped else 3 * i + j)  # 3 times the edge of a, and the edge of b
+        points[at] = 1
 
 
 @kernel
-def _dot(box, r, k, x, y, z):
-    return box[r, 3 + 3 * k] * x + box[r, 4 + 3 * k] * y + box[r, 5 + 3 * k] * z
-
-
-@kernel
-def cross_edges(box, i, j, nx, ny, nz, point):
-    """Writes the point midway between edge i of box 0 and edge j of box 1, those that face each other along n."""
-    ends = (box[0, 0], box[0, 1], box[0, 2], box[1, 0], box[1, 1], box[1, 2])
-    ax, ay, az, bx, by, bz = ends
-    for k in range(3):
-        if k != i:
-            s = box[0, 12 + k] if _dot(box, 0, k, nx, ny, nz) >= 0.0 else -box[0, 12 + k]
-            ax, ay, az = ax + s * box[0, 3 + 3 * k], ay + s * box[0, 4 + 3 * k], az + s * box[0, 5 + 3 * k]
-        if k != j:
-            s = -box[1, 12 + k] if _dot(box, 1, k, nx, ny, nz) >= 0.0 else box[1, 12 + k]
-            bx, by, bz = bx + s * box[1, 3 + 3 * k], by + s * box[1, 4 + 3 * k], bz + s * box[1, 5 + 3 * k]
-    # Closest points of two lines (Ericson 2005, Real-Time Collision Detection, 5.1.8); unit directions, not parallel.
-    cosine = _dot(box, 0, i, box[1, 3 + 3 * j], box[1, 4 + 3 * j], box[1, 5 + 3 * j])
-    wx, wy, wz = ax - bx, ay - by, az - bz
-    c, f = _dot(box, 0, i, wx, wy, wz), _dot(box, 1, j, wx, wy, wz)
-    divisor = 1.0 - cosine * cosine
-    s = min(max((cosine * f - c) / divisor, -box[0, 12 + i]), box[0, 12 + i])
-    t = min(max((f - cosine * c) / divisor, -box[1, 12 + j]), box[1, 12 + j])
-    point[0, 0] = 0.5 * (ax + s * box[0, 3 + 3 * i] + bx + t * box[1, 3 + 3 * j])
-    point[0, 1] = 0.5 * (ay + s * box[0, 4 + 3 * i] + by + t * box[1, 4 + 3 * j])
-    point[0, 2] = 0.5 * (az + s * box[0, 5 + 3 * i] + bz + t * box[1, 5 + 3 * j])
+def _column(table, k, row):
+    return table[row * BLOCK + k], table[(row + 1) * BLOCK + k], table[(row + 2) * BLOCK + k]

@@ -66,9 +66,10 @@ def _has_shorter_way(position, axes, a, b, near, near_count, corners, placed, po
 
 
 @kernel
-def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, turn, size, scratch, found_normal,
-                  found_point, found_separation, found_feature, normal, point, separation, feature):
-    """Writes the contacts of the pairs of leaves near (k, 2), as of boxes; returns how many there are."""
+def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, turn, size, scratch, at, box_points,
+                  box_normal, box_point, box_separation, box_feature, normal, point, separation, feature):
+    """Writes the contacts of the pairs of leaves near (k, 2), as of boxes; returns how many there are. What starts with
+    box_ is room for manifolds, number `at` of which is free."""
     found = 0
     turn[0], turn[1] = axes[a], axes[b]
     for k in range(near_count):
@@ -80,16 +81,17 @@ def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, tur
             spot[side, 1] = (r[3] * x + r[4] * y + r[5] * z) + position[body, 1]
             spot[side, 2] = (r[6] * x + r[7] * y + r[8] * z) + position[body, 2]
             size[side, 0], size[side, 1], size[side, 2] = box[leaf, 3], box[leaf, 4], box[leaf, 5]
-        points = obb.contact(spot, turn, size, 0, spot, turn, size, 1, margin, found_normal, found_point,
-                             found_separation, found_feature, scratch)
+        points = obb.contact(spot, turn, size, 0, spot, turn, size, 1, margin, at, box_points, box_normal, box_point,
+                             box_separation, box_feature, *scratch)
         for i in range(points):
             if found < separation.shape[0]:
-                normal[found] = found_normal
+                gap = box_separation[at, i]
                 for c in range(3):
-                    point[found, 0, c] = found_point[i, c] - 0.5 * found_separation[i] * found_normal[c]
-                    point[found, 1, c] = found_point[i, c] + 0.5 * found_separation[i] * found_normal[c]
-                separation[found] = found_separation[i]
-                feature[found] = (near[k, 0] << 36) ^ (near[k, 1] << 12) ^ found_feature[i]
+                    normal[found, c] = box_normal[at, c]
+                    point[found, 0, c] = box_point[at, i, c] - 0.5 * gap * box_normal[at, c]
+                    point[found, 1, c] = box_point[at, i, c] + 0.5 * gap * box_normal[at, c]
+                separation[found] = gap
+                feature[found] = (near[k, 0] << 36) ^ (near[k, 1] << 12) ^ box_feature[at, i]
             found += 1
     return found
 

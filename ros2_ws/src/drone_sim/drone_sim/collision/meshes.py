@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import octree, traversal
+from drone_sim.collision import obb, octree, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
 from drone_sim.collision.mesh_contacts import INSIDE, floor_contacts, leaf_contacts, triangle_contacts
 from drone_sim.collision.narrow import Placed
@@ -33,13 +33,13 @@ class Raw(NamedTuple):
     spot: Floats  # (2, 3)
     turn: Floats  # (2, 3, 3)
     size: Floats  # (2, 3)
-    work: Floats  # (3, 15)
+    work: tuple[Floats, Floats, Integers]  # of the box level
 
 
 def _raw(near: int, contacts: int) -> Raw:
     return Raw(np.empty((near, 2), np.int32), np.empty((contacts, 3)), np.empty((contacts, 2, 3)), np.empty(contacts),
                np.empty(contacts, np.int64), np.empty(contacts, np.bool_), np.empty(contacts), np.empty((2, 10, 3)),
-               np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3)), np.empty((3, 15)))
+               np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3)), obb.scratch())
 
 
 @kernel
@@ -66,8 +66,8 @@ def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, ev
                 return found, near, 0
             if level[k] == OCTREE:
                 count = leaf_contacts(position, axes, a, b, raw.near, near, tree.box, margin, raw.spot, raw.turn,
-                                      raw.size, raw.work, normal[found], point[found], separation[found],
-                                      feature[found], raw.normal, raw.point, raw.separation, raw.feature)
+                                      raw.size, raw.work, found, points, normal, point, separation, feature,
+                                      raw.normal, raw.point, raw.separation, raw.feature)
             else:
                 count = triangle_contacts(position, axes, a, b, raw.near, near, tree.corners, normals, owned, margin,
                                           raw.placed, raw.normal, raw.point, raw.separation, raw.feature)

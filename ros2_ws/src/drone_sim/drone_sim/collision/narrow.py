@@ -63,21 +63,6 @@ def keep_deepest(point, separation, feature, count):
 
 
 @kernel
-def _spheres(position, half, a, b, margin, normal, point, separation, feature):
-    """The contact of the bounding spheres of boxes a and b: 0 or 1."""
-    ra = np.sqrt(half[a, 0] * half[a, 0] + half[a, 1] * half[a, 1] + half[a, 2] * half[a, 2])
-    rb = np.sqrt(half[b, 0] * half[b, 0] + half[b, 1] * half[b, 1] + half[b, 2] * half[b, 2])
-    nx, ny, nz, x, y, z, gap = sphere.contact(position[a, 0], position[a, 1], position[a, 2], ra,
-                                              position[b, 0], position[b, 1], position[b, 2], rb)
-    if gap > margin:
-        return 0
-    normal[0], normal[1], normal[2] = nx, ny, nz
-    point[0, 0], point[0, 1], point[0, 2] = x, y, z
-    separation[0], feature[0] = gap, 0
-    return 1
-
-
-@kernel
 def find_contacts(position, axes, half, pair_a, pair_b, floor_height, level, everything, margins, scratch,
                   pair, points, normal, point, separation, feature, met, found):
     """Appends the manifolds of pairs at levels SPHERE and OBB after the first `found`, returns how many there are then;
@@ -96,9 +81,10 @@ def find_contacts(position, axes, half, pair_a, pair_b, floor_height, level, eve
             else:
                 count = floor.contact(position, axes, half, body, floor_height[k], margin, p, s, f)
         elif level[k] == SPHERE:
-            count = _spheres(position, half, a, b, margin, n, p, s, f)
+            count = sphere.contact(position, half, a, b, margin, n, p, s, f)
         else:
-            count = obb.contact(position, axes, half, a, position, axes, half, b, margin, n, p, s, f, scratch)
+            count = obb.contact(position, axes, half, a, position, axes, half, b, margin, found, points, normal, point,
+                                separation, feature, *scratch)
         if count:
             if not everything[k]:
                 keep_deepest(p, s, f, count)

@@ -35,8 +35,8 @@ def touch(ax, ay, az, ra, bx, by, bz, rb, acc):
 
 
 @kernel
-def contact(ax, ay, az, ra, bx, by, bz, rb):
-    """Unit normal from a to b, the point midway between the surfaces, and the separation, m: seven numbers.
+def between(ax, ay, az, ra, bx, by, bz, rb):
+    """Unit normal from ball a to b, the point midway between the surfaces, and the separation, m: seven numbers.
 
     Of one centre, the normal is z. Swapping a and b turns the normal otherwise, no more.
     """
@@ -50,6 +50,21 @@ def contact(ax, ay, az, ra, bx, by, bz, rb):
     half = 0.5 * (ra - rb)
     return (nx, ny, nz, 0.5 * (ax + bx) + half * nx, 0.5 * (ay + by) + half * ny, 0.5 * (az + bz) + half * nz,
             most * length - (ra + rb))
+
+
+@kernel
+def contact(position, half, a, b, margin, normal, point, separation, feature):
+    """The contact of the bounding spheres of boxes a and b, up to `margin` m apart; returns its points, 0 or 1."""
+    ra = math.sqrt(half[a, 0] ** 2 + half[a, 1] ** 2 + half[a, 2] ** 2)
+    rb = math.sqrt(half[b, 0] ** 2 + half[b, 1] ** 2 + half[b, 2] ** 2)
+    nx, ny, nz, x, y, z, s = between(position[a, 0], position[a, 1], position[a, 2], ra,
+                                     position[b, 0], position[b, 1], position[b, 2], rb)
+    if s > margin:
+        return 0
+    normal[0], normal[1], normal[2] = nx, ny, nz
+    point[0, 0], point[0, 1], point[0, 2] = x, y, z
+    separation[0], feature[0] = s, 0
+    return 1
 
 
 @kernel
@@ -74,7 +89,7 @@ def _intersects(center_a, radius_a, center_b, radius_b, hit):
 @kernel
 def _contacts(center_a, radius_a, center_b, radius_b, normal, point, separation):
     for k in range(len(separation)):
-        nx, ny, nz, x, y, z, s = contact(center_a[k, 0], center_a[k, 1], center_a[k, 2], radius_a[k],
+        nx, ny, nz, x, y, z, s = between(center_a[k, 0], center_a[k, 1], center_a[k, 2], radius_a[k],
                                          center_b[k, 0], center_b[k, 1], center_b[k, 2], radius_b[k])
         normal[k, 0], normal[k, 1], normal[k, 2] = nx, ny, nz
         point[k, 0], point[k, 1], point[k, 2] = x, y, z
@@ -94,26 +109,28 @@ def contacts(center_a: ArrayLike, radius_a: ArrayLike, center_b: ArrayLike,
     spheres = _pairs(center_a, radius_a, center_b, radius_b)
     hit, n = _answers(spheres), len(spheres[0])
     normal, point, separation = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
-    _contacts(*[*spheres, normal, point, separation])
+    _contacts(*spheres, normal, point, separation)
     return hit, normal, point, separation
 
 
+Spheres = tuple[Floats, Floats, Floats, Floats]
 NAMES = ("center_a", "radius_a", "center_b", "radius_b")
 
 
-def _pairs(*arrays: ArrayLike) -> list[Floats]:
+def _pairs(*arrays: ArrayLike) -> Spheres:
+    """The arguments as contiguous float64 arrays of the right shapes."""
     pairs = [np.ascontiguousarray(array, np.float64) for array in arrays]
     n = len(pairs[0]) if pairs[0].ndim else 0
     for name, array in zip(NAMES, pairs, strict=True):
         expected = (n, 3) if name.startswith("center") else (n,)
         if array.shape != expected:
             raise ValueError(f"{name}: expected an array of shape {expected}, got {array.shape}")
-    return pairs
+    return pairs[0], pairs[1], pairs[2], pairs[3]
 
 
-def _answers(spheres: list[Floats]) -> Booleans:
+def _answers(spheres: Spheres) -> Booleans:
     hit = np.empty(len(spheres[0]), np.bool_)
-    bad = _intersects(*[*spheres, hit])
+    bad = _intersects(*spheres, hit)
     if bad >= 0:
         for name, array in zip(NAMES, spheres, strict=True):
             if not np.isfinite(array[bad]).all():
