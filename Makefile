@@ -13,7 +13,7 @@ RUN        := $(VENV)/bin/python
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
 
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check bench assets figures lock clean
+.PHONY: help fly build test check bench hard-cases assets figures lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -35,6 +35,9 @@ check: build  ## style, types and architecture only
 bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
+
+hard-cases: $(VENV)/peers  ## a million hard pairs of each family, judged exactly (half an hour); ARGS="--count 1000"
+	@$(RUN) bench/hard_cases.py $(ARGS)
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
