@@ -89,14 +89,17 @@ def skewed(rng: Generator, n: int) -> Pairs:
     for axes in (axes_a, axes_b):
         axes += rng.normal(size=(n, 3, 3)) * 10.0 ** rng.uniform(-17, -1, (n, 1, 1))
         axes *= np.where(rng.random((n, 1, 1)) < 0.1, 10.0 ** rng.uniform(-3, 3, (n, 3, 1)), 1.0)
-    flat = rng.random(n) < 0.1
-    axes_a[flat], axes_b[flat] = np.round(2 * axes_a[flat]), np.round(2 * axes_b[flat])
-    half_a[flat], half_b[flat], center_a[flat] = (np.round(4 * x[flat]) for x in (half_a, half_b, center_a))
+    flat = rng.random(n) < 0.1  # all six axes, and the offset, in one plane: z = tilt x
+    for array in (axes_a, axes_b, half_a, half_b, center_a):
+        array[flat] = np.round(3 * array[flat])
+    half_a, half_b = np.abs(half_a), np.abs(half_b)
+    tilt = rng.integers(-1, 2, n).astype(np.float64)
     for axes in (axes_a, axes_b):
-        axes[flat, :, 2] = axes[flat, :, 0] * rng.integers(-1, 2)
+        axes[flat, :, 2] = tilt[flat, None] * axes[flat, :, 0]
     pairs = placed(rng, center_a, axes_a, half_a, axes_b, half_b)
-    pairs[3][flat] = center_a[flat] + np.round(rng.normal(size=(int(flat.sum()), 3)) * 2)
-    pairs[3][flat, 2] = (center_a + rng.integers(-1, 2) * (pairs[3] - center_a)[:, [0]])[flat, 2]
+    offset = np.round(rng.normal(size=(n, 3)) * (half_a + half_b).max(1, keepdims=True) * 1.5)
+    offset[:, 2] = tilt * offset[:, 0]
+    pairs[3][flat] = (center_a + offset)[flat]
     return pairs
 
 
