@@ -13,7 +13,7 @@ RUN        := $(VENV)/bin/python
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
 
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check bench hard-cases assets figures lock clean
+.PHONY: help fly build test check bench hard-cases assets figures accuracy lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -43,6 +43,10 @@ figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
+
+accuracy: build  ## measure what accuracy costs: tables, numbers and plots, in two minutes
+	@$(RUN) bench/accuracy.py
+	@$(RUN) figures/accuracy_plot.py
 
 lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

@@ -85,12 +85,14 @@ def boxes(size: Size) -> Iterator[Row]:
               cost < 5.0)
 
     asking = peers.boxes(a, b, most=8)
-    count, *_ = obb.contacts(*a, *b)
-    agree("boxes, manifold", count > 0, {name: peers.hits(run) for name, run in asking.items()}, tell)
-    if not np.array_equal(count > 0, ours):
+    found = obb.contacts(*a, *b)
+    touching = np.zeros(size.boxes, bool)
+    touching[found.number] = found.points > 0
+    agree("boxes, manifold", touching, {name: peers.hits(run) for name, run in asking.items()}, tell)
+    if not np.array_equal(touching, ours):
         raise SystemExit("obb.contacts and obb.intersects disagree")
     times = side_by_side({"ours": lambda: obb.contacts(*a, *b), **asking}, size.rounds)
-    yield rates(f"boxes, normal, depth and manifold ({count[count > 0].mean():.1f} points a hit)", size.boxes, times,
+    yield rates(f"boxes, normal, depth and manifold ({found.points.mean():.1f} points a hit)", size.boxes, times,
                 10e6)
 
 
@@ -146,7 +148,7 @@ def _mesh(what: str, mesh: Mesh, tree: octree.Octree, a: Floats, b: Floats, roun
               f"{len(differ)} of {len(a)} pairs of meshes", flush=True)
     if not np.array_equal(count > 0, ours):
         raise SystemExit("traversal.pairs and traversal.intersects disagree")
-    times = side_by_side({"ours": lambda: traversal.pairs(tree, a, tree, b), **asking}, rounds)
+    times = side_by_side({"ours": lambda: traversal.contacts(tree, a, tree, b), **asking}, rounds)
     yield rates(f"{what}, all contacts ({count[count > 0].mean():.0f} a hit)", len(a), times, None)
 
 

@@ -116,26 +116,28 @@ def test_another_shape_gets_named(name: str) -> None:
 
 def test_contacts_are_midway_between_a_point_of_each_box() -> None:
     boxes = near(500)
-    count, normal, point, separation, feature = obb.contacts(*boxes)
-    np.testing.assert_array_equal(count > 0, obb.intersects(*boxes))
-    assert set(count.tolist()) >= {0, 1, 2, 3, 4, 5, 6}
-    for k in np.flatnonzero(count):
-        n = count[k]
+    found = obb.contacts(*boxes)
+    np.testing.assert_array_equal(found.number, np.flatnonzero(obb.intersects(*boxes)))
+    assert set(found.points.tolist()) >= {1, 2, 3, 4, 5, 6}
+    for k, n, normal, point, separation, feature in zip(*found, strict=True):
         a, b = [array[k] for array in boxes[:3]], [array[k] for array in boxes[3:]]
-        assert np.linalg.norm(normal[k]) == pytest.approx(1.0)
-        assert (separation[k, :n] <= 1e-12).all()
-        assert len(set(feature[k, :n].tolist())) == n
-        way = 0.5 * separation[k, :n, None] * normal[k]
-        assert inside(*a, point[k, :n] - way, 1e-8) and inside(*b, point[k, :n] + way, 1e-8)
+        assert np.linalg.norm(normal) == pytest.approx(1.0)
+        assert (separation[:n] <= 1e-12).all()
+        assert len(set(feature[:n].tolist())) == n
+        way = 0.5 * separation[:n, None] * normal
+        assert inside(*a, point[:n] - way, 1e-8) and inside(*b, point[:n] + way, 1e-8)
 
 
 def test_contacts_of_what_touches_exactly() -> None:
-    boxes = cubes((1, 0, 0), (0, -1, 0.25), (1, 1, 0), (-1, 1, 1), (1.0000001, 0, 0))
-    count, normal, _, separation, _ = obb.contacts(*boxes)
-    assert (count > 0).tolist() == [True, True, True, True, False]
-    assert count[0] == 4
-    np.testing.assert_array_equal(separation, 0.0)
-    np.testing.assert_array_equal(normal[:2], [[1, 0, 0], [0, -1, 0]])
+    found = obb.contacts(*cubes((1, 0, 0), (0, -1, 0.25), (1, 1, 0), (-1, 1, 1), (1.0000001, 0, 0)))
+    assert found.number.tolist() == [0, 1, 2, 3]
+    assert found.points[0] == 4
+    np.testing.assert_array_equal(found.separation[held(found)], 0.0)
+    np.testing.assert_array_equal(found.normal[:2], [[1, 0, 0], [0, -1, 0]])
+
+
+def held(found: obb.Contacts) -> np.ndarray:
+    return np.arange(found.separation.shape[1]) < found.points[:, None]
 
 
 def test_equal_boxes_on_each_other_have_four_corners() -> None:
@@ -143,7 +145,7 @@ def test_equal_boxes_on_each_other_have_four_corners() -> None:
         boxes = near(1, turn)
         boxes[4], boxes[5] = boxes[1].copy(), boxes[2].copy()
         boxes[3] = boxes[0] + 1.99 * boxes[2][:, [0]] * boxes[1][:, 0]
-        assert obb.contacts(*boxes)[0].tolist() == [4]
+        assert obb.contacts(*boxes).points.tolist() == [4]
 
 
 def test_swapping_turns_the_normal_and_nothing_else() -> None:
@@ -152,22 +154,23 @@ def test_swapping_turns_the_normal_and_nothing_else() -> None:
     quarter[4], quarter[5] = quarter[1][:, [1, 2, 0]], quarter[2][:, [1, 2, 0]]
     for pairs in (boxes, quarter):
         first, second = obb.contacts(*pairs), obb.contacts(*pairs[3:], *pairs[:3])
-        np.testing.assert_array_equal(first[0], second[0])
-        np.testing.assert_array_equal(first[1], -second[1])
-        np.testing.assert_array_equal(first[2], second[2])
-        np.testing.assert_array_equal(first[3], second[3])
+        np.testing.assert_array_equal(first.number, second.number)
+        np.testing.assert_array_equal(first.points, second.points)
+        np.testing.assert_array_equal(first.normal, -second.normal)
+        np.testing.assert_array_equal(first.point[held(first)], second.point[held(second)])
+        np.testing.assert_array_equal(first.separation[held(first)], second.separation[held(second)])
 
 
 def test_features_stay_while_boxes_move_a_little() -> None:
     boxes = near(300, 5)
-    count, _, point, _, feature = obb.contacts(*boxes)
     moved = [array.copy() for array in boxes]
     moved[3] += 1e-7
-    again, _, where, _, name = obb.contacts(*moved)
+    first, second = obb.contacts(*boxes), obb.contacts(*moved)
     same = 0
-    for k in np.flatnonzero(count == again):
-        n = count[k]
-        if (feature[k, :n] == name[k, :n]).all():
-            np.testing.assert_allclose(point[k, :n], where[k, :n], atol=1e-4)
+    for i, k in enumerate(first.number):
+        j = np.searchsorted(second.number, k)
+        n = first.points[i]
+        if second.number[j] == k and second.points[j] == n and (first.feature[i, :n] == second.feature[j, :n]).all():
+            np.testing.assert_allclose(first.point[i, :n], second.point[j, :n], atol=1e-4)
             same += 1
-    assert same >= 298
+    assert same >= len(first.number) - 2

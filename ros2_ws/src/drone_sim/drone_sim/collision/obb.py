@@ -8,6 +8,8 @@ vectors u, v and the offset d of the centres, |det(u, v, d)| <= sum of half_k |d
 Blocks of pairs are judged at once in floating point; what the error bound leaves open goes to `separation.touch`.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -78,28 +80,37 @@ def intersects(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike,
     return hit
 
 
-def contacts(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike, center_b: ArrayLike, axes_b: ArrayLike,
-             half_b: ArrayLike) -> tuple[Integers, Floats, Floats, Floats, Integers]:
-    """Where boxes a and b of each pair touch; arguments and errors as for `intersects`.
+class Contacts(NamedTuple):
+    """Of the k pairs that touch, exactly; what lies beyond `points[i]` of pair i means nothing."""
 
-    Number of points (n,), 0 where they do not touch, exactly; unit normals from a to b (n, 3); points (n, 8, 3), midway
-    between the surfaces; separations (n, 8), negative where they overlap; features (n, 8), which name a point from one
-    step to the next. Points are right up to rounding if axes are orthonormal up to rounding.
-    """
+    number: Integers  # (k,) which pair, ascending
+    points: Integers  # (k,) how many
+    normal: Floats  # (k, 3) unit, from a to b
+    point: Floats  # (k, 8, 3) m, midway between the surfaces
+    separation: Floats  # (k, 8) m, negative where they overlap
+    feature: Integers  # (k, 8) names a point from one step to the next
+
+
+def contacts(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike, center_b: ArrayLike, axes_b: ArrayLike,
+             half_b: ArrayLike) -> Contacts:
+    """Where boxes a and b of each pair touch; arguments and errors as for `intersects`. Points are right up to rounding
+    if axes are orthonormal up to rounding."""
     boxes = _pairs(center_a, axes_a, half_a, center_b, axes_b, half_b)
     n = len(boxes[0])
-    count, normal, point = np.zeros(n, np.int64), np.zeros((n, 3)), np.zeros((n, POINTS, 3))
-    apart, feature = np.zeros((n, POINTS)), np.zeros((n, POINTS), np.int64)
-    bad = _contacts(*boxes, count, normal, point, apart, feature)
+    room = Contacts(np.empty(n, np.int64), np.empty(n, np.int64), np.empty((n, 3)), np.empty((n, POINTS, 3)),
+                    np.empty((n, POINTS)), np.empty((n, POINTS), np.int64))
+    found, bad = _contacts(*[*boxes, *room])
     if bad >= 0:
         raise ValueError(_what_is_wrong(boxes, bad))
-    return count, normal, point, apart, feature
+    return Contacts(room.number[:found], room.points[:found], room.normal[:found], room.point[:found],
+                    room.separation[:found], room.feature[:found])
 
 
 @kernel
-def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, count, normal, point, apart, feature):
-    """Writes all contacts; returns the first pair with a number that no box has, or -1."""
+def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, count, normal, point, apart, feature):
+    """Writes all contacts; returns how many, and the first pair with a number that no box has, or -1."""
     table, verdict, hit = np.zeros(TABLE), np.empty(BLOCK, np.uint8), np.empty(len(count), np.uint8)
+    row, found = np.empty(BLOCK, np.int64), 0
     axis, half, total, probe = np.empty((9, 3)), np.empty(9), exact.zeros(), exact.zeros()
     which, cut = np.empty(BLOCK, np.int64), np.empty(CUT)
     flat = (center_a.reshape(-1), axes_a.reshape(-1), half_a.reshape(-1),
@@ -111,20 +122,22 @@ def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, count, normal,
         if _note(first, size, verdict, hit):
             bad = _settle(first, size, *flat, hit, verdict, axis, half, total, probe)
             if bad >= 0:
-                return bad
-        hits = _list_hits(first, size, hit, count, which)
+                return found, bad
+        hits = _list_hits(first, size, hit, which)
+        for k in range(hits):
+            number[found + k], row[k] = which[k], found + k
         _enter(table, hits, center_a, axes_a, half_a, which, center_b, axes_b, half_b, which)
         rank(table, hits)
-        cross_edges(table, hits, which, count, normal, point, apart, feature)
-        cut_faces(table, hits, which, count, normal, point, apart, feature, cut)
-    return -1
+        cross_edges(table, hits, row, count, normal, point, apart, feature)
+        cut_faces(table, hits, row, count, normal, point, apart, feature, cut)
+        found += hits
+    return found, -1
 
 
 @kernel
-def _list_hits(first, size, hit, count, which):
+def _list_hits(first, size, hit, which):
     hits = 0
     for k in range(first, first + size):
-        count[k] = 0
         which[hits] = k
         hits += hit[k]
     return hits

@@ -1,0 +1,40 @@
+"""The contacts of many poses of two models in a batch, as a solver asks for them: of each pose the deepest one."""
+
+from functools import cache
+
+import numpy as np
+
+from drone_sim.arrays import Floats
+from drone_sim.collision import OBB, SPHERE, Shape, obb, sphere
+from drone_sim.collision.manifold import POINTS, Manifolds
+from drone_sim.collision.meshes import Meshes
+from drone_sim.collision.narrow import Placed
+from drone_sim.collision.shape import axes_at
+
+
+def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:
+    """Depths (n,) in m, NaN where there is no contact, and unit normals (n, 3) from a to b, for poses (n, 7)."""
+    if level == SPHERE:
+        hit, normal, _, separation = sphere.contacts(*a.balls(poses_a), *b.balls(poses_b))
+        return np.where(hit, -separation, np.nan), normal
+    if level == OBB:
+        count, normal, _, separation, _ = obb.contacts(*a.boxes(poses_a), *b.boxes(poses_b))
+        inside = np.where(np.arange(POINTS) < count[:, None], -separation, -np.inf).max(axis=1)
+        return np.where(count > 0, inside, np.nan), normal
+    n = len(poses_a)
+    poses = np.stack([poses_a, poses_b], axis=1).reshape(-1, 7)
+    placed = Placed(np.tile(np.arange(2), n), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses),
+                    np.zeros((2 * n, 3)))
+    one = np.ones(n, np.int64)
+    m = _meshes(a, b).find(Manifolds(8), placed, 2 * np.arange(n), 2 * np.arange(n) + 1, np.full(n, np.nan),
+                           level * one, one, np.zeros(n))
+    # The first point of a pair's first manifold is its deepest.
+    row, first = np.unique(m.pair[:m.count, 0] // 2, return_index=True)
+    depth, normal = np.full(n, np.nan), np.zeros((n, 3))
+    depth[row], normal[row] = -m.separation[first, 0], m.normal_w[first]
+    return depth, normal
+
+
+@cache
+def _meshes(a: Shape, b: Shape) -> Meshes:
+    return Meshes([a, b], np.arange(2))
