@@ -6,7 +6,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats
 from drone_sim.collision import OBB, SPHERE, Shape, obb, sphere
-from drone_sim.collision.manifold import POINTS, Manifolds
+from drone_sim.collision.manifold import Manifolds
 from drone_sim.collision.meshes import Meshes
 from drone_sim.collision.narrow import Placed
 from drone_sim.collision.shape import axes_at
@@ -14,14 +14,16 @@ from drone_sim.collision.shape import axes_at
 
 def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:
     """Depths (n,) in m, NaN where there is no contact, and unit normals (n, 3) from a to b, for poses (n, 7)."""
+    n = len(poses_a)
     if level == SPHERE:
         hit, normal, _, separation = sphere.contacts(*a.balls(poses_a), *b.balls(poses_b))
         return np.where(hit, -separation, np.nan), normal
     if level == OBB:
-        count, normal, _, separation, _ = obb.contacts(*a.boxes(poses_a), *b.boxes(poses_b))
-        inside = np.where(np.arange(POINTS) < count[:, None], -separation, -np.inf).max(axis=1)
-        return np.where(count > 0, inside, np.nan), normal
-    n = len(poses_a)
+        found = obb.contacts(*a.boxes(poses_a), *b.boxes(poses_b))
+        depth, normal = np.full(n, np.nan), np.zeros((n, 3))
+        normal[found.number] = found.normal
+        depth[found.number] = np.maximum.reduceat(-found.separation, found.first[:-1]) if len(found.number) else 0.0
+        return depth, normal
     poses = np.stack([poses_a, poses_b], axis=1).reshape(-1, 7)
     placed = Placed(np.tile(np.arange(2), n), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses),
                     np.zeros((2 * n, 3)))

@@ -43,7 +43,7 @@ def boxes_near_touch(rng: Generator, n: int) -> tuple[Boxes, Boxes]:
     """Boxes of half extents 0.2 to 1 m, turned at random; b in a random direction from a, at 0.9 to 1.1 times the
     distance at which the two touch, so that about half of the pairs do."""
     half_a, half_b = rng.uniform(0.2, 1.0, (2, n, 3))
-    axes_a, axes_b = matrices(quaternions(rng, n)), matrices(quaternions(rng, n))
+    axes_a, axes_b = (np.ascontiguousarray(matrices(quaternions(rng, n))) for _ in range(2))
     way = rng.normal(size=(n, 3))
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     edges = np.cross(axes_a[:, :, None], axes_b[:, None]).reshape(n, 9, 3)

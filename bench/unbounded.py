@@ -10,7 +10,7 @@ ROWS = 27  # offset 0, half extents 3 and 6, axes 9 and 18
 
 
 @numba.njit(error_model="numpy")
-def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table):  # type: ignore[no-untyped-def]
+def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table):
     for k in range(count):
         for i in range(3):
             at = np.uint64(3 * (first + k) + i)
@@ -24,7 +24,7 @@ def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, ta
 
 
 @numba.njit(error_model="numpy")
-def _judge(table, verdict):  # type: ignore[no-untyped-def]
+def _judge(table, verdict):
     for k in range(BLOCK):
         gap = gaps(
             table[k], table[BLOCK + k], table[2 * BLOCK + k],
@@ -42,7 +42,7 @@ def _judge(table, verdict):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(error_model="numpy")
-def _decide(center_a, axes_a, half_a, center_b, axes_b, half_b, hit):  # type: ignore[no-untyped-def]
+def _decide(center_a, axes_a, half_a, center_b, axes_b, half_b, hit):
     table, verdict = np.zeros(ROWS * BLOCK), np.empty(BLOCK, np.uint8)
     for first in range(0, len(hit), BLOCK):
         count = min(BLOCK, len(hit) - first)

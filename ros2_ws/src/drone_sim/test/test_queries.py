@@ -63,6 +63,18 @@ def test_what_a_solver_gets_of_a_cube_on_a_cube(level: int) -> None:
     np.testing.assert_allclose([x.min(), x.max(), y.min(), y.max()], [-0.25, 0.5, -0.4, 0.5], atol=1e-8)
 
 
+def test_a_drone_deep_in_a_crate_is_pushed_out(drone: Shape) -> None:
+    crate = Shape.load(MODELS / "crate.obj")
+    rng = np.random.default_rng(5)
+    poses = rng.normal(size=(400, 7))
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    poses[:, :3] *= 0.35
+    hits = np.flatnonzero(intersects(drone, poses, crate, pose(0, 0, 0)))
+    pushed = [max((found.depth.max() for found in manifolds(drone, poses[k], crate, pose(0, 0, 0))), default=0.0) > 0.0
+              for k in hits]
+    assert np.mean(pushed) > 0.99
+
+
 def test_swapping_turns_the_normals(drone: Shape, ring: Shape) -> None:
     there, here = pose(0.02, 0.9, 1.2), pose(0, 0, 0)
     for level in LEVELS:

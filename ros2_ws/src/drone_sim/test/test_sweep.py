@@ -182,9 +182,8 @@ def ring() -> octree.Octree:
 
 @pytest.mark.parametrize("level", [OBB, OCTREE, TRIANGLE])
 def test_a_ball_flies_through_a_ring_unless_the_ring_is_a_box(level: int) -> None:
-    forest, roots = octree.join([ring(), octree.build(*shapes.ball(6, 8))])
-    forest.box[roots[1]:] *= 0.3
-    forest.corners[len(ring().corners):] *= 0.3
+    vertices, faces = shapes.ball(6, 8)
+    forest, roots = octree.join([ring(), octree.build(0.3 * np.asarray(vertices), faces)])
     velocity, w = np.array([[0, 0, 0], [0, 0, -90.0]]), np.array([[0, 0, 3], [10, 0, 0.0]])
     for x, through in ((0.1, level != OBB), (0.75, False)):
         position = np.array([[0, 0, 0], [x, 0, 1.5]])

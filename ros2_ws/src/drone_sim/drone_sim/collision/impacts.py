@@ -3,7 +3,7 @@
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision import sweep
+from drone_sim.collision import octree, sweep
 from drone_sim.collision.advancement import NONE
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.collision.meshes import Meshes
@@ -11,8 +11,6 @@ from drone_sim.collision.narrow import Placed, axes_of
 from drone_sim.kernel import kernel
 from drone_sim.rotation import rotate, turned
 from drone_sim.state import State
-
-NO_TREE = (np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)))
 
 
 @kernel
@@ -70,11 +68,11 @@ class Impacts:
         """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2
         and 3 of the second, and so on."""
         time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
-        tree = (meshes.tree.box, meshes.tree.link, meshes.tree.corners) if meshes else NO_TREE
+        box, link, corners, *_ = meshes.tree if meshes else octree.EMPTY
         roots = meshes.roots if meshes else np.full(len(self._half), -1)
         sweep.sweep_pairs(pair_a, pair_b, state.position_w, state.orientation_w, state.velocity_w,
-                          state.angular_velocity_w, self._half, level, roots, *tree, self._dt, time, outcome,
-                          *self._room)
+                          state.angular_velocity_w, self._half, level, roots, box, link, corners, self._dt, time,
+                          outcome, *self._room)
         meeting = np.flatnonzero((outcome != NONE) & (time > 0.0))
         body = np.stack([pair_a[meeting], pair_b[meeting]], axis=1).ravel()
         position, orientation = np.empty((len(body), 3)), np.empty((len(body), 4))

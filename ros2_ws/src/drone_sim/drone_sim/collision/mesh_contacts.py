@@ -5,6 +5,7 @@ from drone_sim.collision.surface import CORNER
 from drone_sim.kernel import kernel
 
 INSIDE = 0.01  # m; contacts are looked for this far below a surface at least, or as far as the margin above it
+DEEP = 0.1  # m; and this far if nothing is found although the surfaces cut each other
 SHALLOW = 1e-3  # m; depths below it need no second look
 LEAST = 0.5  # of its depth: how far a contact's feature is from the other surface at least (0.7 at a cube's edge), else
 # another way out is shorter
@@ -18,11 +19,11 @@ def turned_rows(axes, i):
 
 
 @kernel
-def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, owned, margin, placed,
+def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, owned, margin, inside, placed,
                       normal, point, separation, feature):
-    """Writes all contacts of the pairs of triangles near (k, 2); returns how many there are."""
+    """Writes all contacts of the pairs of triangles near (k, 2), up to `margin` m apart and `inside` m deep; returns
+    how many there are."""
     ra, rb = turned_rows(axes, a), turned_rows(axes, b)
-    inside = max(margin, INSIDE)
     found, last = 0, -1
     for k in range(near_count):
         i, j = near[k, 0], near[k, 1]

@@ -11,12 +11,12 @@ from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision import obb, octree, traversal
 from drone_sim.collision.manifold import POINTS, Manifolds
-from drone_sim.collision.mesh_contacts import INSIDE, floor_contacts, leaf_contacts, triangle_contacts
+from drone_sim.collision.mesh_contacts import DEEP, INSIDE, floor_contacts, leaf_contacts, triangle_contacts
 from drone_sim.collision.narrow import Placed
 from drone_sim.collision.reduction import MOST, reduce
 from drone_sim.collision.shape import Shape
 from drone_sim.kernel import kernel
-from drone_sim.model import OCTREE, Model
+from drone_sim.model import TRIANGLE, Model
 
 
 class Raw(NamedTuple):
@@ -43,10 +43,38 @@ def _raw(near: int, contacts: int) -> Raw:
 
 
 @kernel
+def _overlap(separation, count):
+    """Whether any of the contacts found is an overlap; so many that there is no room for them surely are."""
+    for i in range(min(count, separation.shape[0])):
+        if separation[i] < 0.0:
+            return True
+    return count > separation.shape[0]
+
+
+@kernel
+def _contacts(poses, position, axes, a, b, fine, margin, inside, tree, normals, owned, roots, spare, raw, rows, at):
+    """Writes all contacts of bodies a and b to raw, of their triangles or (fine: False) leaves; returns how many of
+    these come near, and how many contacts there are. rows: room for manifolds, number `at` of which is free."""
+    near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b],
+                          traversal.NEAR if fine else traversal.NEAR_LEAVES, inside if fine else margin, spare,
+                          raw.near, 0)
+    if near > raw.near.shape[0]:
+        return near, 0
+    if fine:
+        return near, triangle_contacts(position, axes, a, b, raw.near, near, tree.corners, normals, owned, margin,
+                                       inside, raw.placed, raw.normal, raw.point, raw.separation, raw.feature)
+    points, normal, point, separation, feature = rows
+    return near, leaf_contacts(position, axes, a, b, raw.near, near, tree.box, margin, raw.spot, raw.turn, raw.size,
+                               raw.work, at, points, normal, point, separation, feature, raw.normal, raw.point,
+                               raw.separation, raw.feature)
+
+
+@kernel
 def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, everything, margins, tree, normals,
                   owned, roots, spare, raw, pair, points, normal, point, separation, feature, met, found):
     """Appends the manifolds of the pairs after the first `found`; returns how many there are, and how many pairs and
     contacts the raw buffers would have to hold if one of them was too small (0, 0 if not)."""
+    rows = points, normal, point, separation, feature
     for k in range(pair_a.shape[0]):
         a, b = pair_a[k], pair_b[k]
         margin = margins[k]
@@ -59,18 +87,16 @@ def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, ev
             if body == a:
                 raw.normal[:count] *= -1.0
         else:
-            ask = traversal.NEAR_LEAVES if level[k] == OCTREE else traversal.NEAR
-            reach = max(margin, INSIDE)
-            near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b], ask, reach, spare, raw.near, 0)
+            fine = level[k] == TRIANGLE
+            near, count = _contacts(poses, position, axes, a, b, fine, margin, max(margin, INSIDE), tree, normals,
+                                    owned, roots, spare, raw, rows, found)
+            if fine and 0 < near <= raw.near.shape[0] and not _overlap(raw.separation, count) and traversal.walk(
+                    tree, roots[a], poses[a], tree, roots[b], poses[b], traversal.SURFACES, 0.0, spare, raw.near, 0):
+                # Surfaces that cut each other without a contact that shallow are in deeper than most ever are.
+                near, count = _contacts(poses, position, axes, a, b, fine, margin, DEEP, tree, normals, owned, roots,
+                                        spare, raw, rows, found)
             if near > raw.near.shape[0]:
                 return found, near, 0
-            if level[k] == OCTREE:
-                count = leaf_contacts(position, axes, a, b, raw.near, near, tree.box, margin, raw.spot, raw.turn,
-                                      raw.size, raw.work, found, points, normal, point, separation, feature,
-                                      raw.normal, raw.point, raw.separation, raw.feature)
-            else:
-                count = triangle_contacts(position, axes, a, b, raw.near, near, tree.corners, normals, owned, margin,
-                                          raw.placed, raw.normal, raw.point, raw.separation, raw.feature)
         if count > raw.separation.shape[0]:
             return found, 0, count
         most, most_points = (MOST, POINTS) if everything[k] else (1, 1)

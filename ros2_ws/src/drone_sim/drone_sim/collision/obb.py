@@ -81,42 +81,45 @@ def intersects(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike,
 
 
 class Contacts(NamedTuple):
-    """Of the k pairs that touch, exactly; what lies beyond `points[i]` of pair i means nothing."""
+    """Of the k pairs that touch, exactly, and their m points: those of pair number[i] are first[i] to first[i + 1]."""
 
     number: Integers  # (k,) which pair, ascending
-    points: Integers  # (k,) how many
+    first: Integers  # (k + 1,)
     normal: Floats  # (k, 3) unit, from a to b
-    point: Floats  # (k, 8, 3) m, midway between the surfaces
-    separation: Floats  # (k, 8) m, negative where they overlap
-    feature: Integers  # (k, 8) names a point from one step to the next
+    point: Floats  # (m, 3) m, midway between the surfaces
+    separation: Floats  # (m,) m, negative where they overlap
+    feature: Integers  # (m,) names a point from one step to the next
 
 
 def contacts(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike, center_b: ArrayLike, axes_b: ArrayLike,
              half_b: ArrayLike) -> Contacts:
-    """Where boxes a and b of each pair touch; arguments and errors as for `intersects`. Points are right up to rounding
-    if axes are orthonormal up to rounding."""
+    """Where boxes a and b of each pair touch, in up to eight points; arguments and errors as for `intersects`. Points
+    are right up to rounding if axes are orthonormal up to rounding."""
     boxes = _pairs(center_a, axes_a, half_a, center_b, axes_b, half_b)
     n = len(boxes[0])
-    room = Contacts(np.empty(n, np.int64), np.empty(n, np.int64), np.empty((n, 3)), np.empty((n, POINTS, 3)),
-                    np.empty((n, POINTS)), np.empty((n, POINTS), np.int64))
-    found, bad = _contacts(*[*boxes, *room])
+    number, first, normal = np.empty(n, np.int64), np.empty(n + 1, np.int64), np.empty((n, 3))
+    point, apart, feature = np.empty((n * POINTS, 3)), np.empty(n * POINTS), np.empty(n * POINTS, np.int64)
+    found, bad = _contacts(*[*boxes, number, first, normal, point, apart, feature])
     if bad >= 0:
         raise ValueError(_what_is_wrong(boxes, bad))
-    return Contacts(room.number[:found], room.points[:found], room.normal[:found], room.point[:found],
-                    room.separation[:found], room.feature[:found])
+    m = first[found]
+    return Contacts(number[:found], first[: found + 1], normal[:found], point[:m], apart[:m], feature[:m])
 
 
 @kernel
-def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, count, normal, point, apart, feature):
+def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, first_point, normal, point, apart, feature):
     """Writes all contacts; returns how many, and the first pair with a number that no box has, or -1."""
-    table, verdict, hit = np.zeros(TABLE), np.empty(BLOCK, np.uint8), np.empty(len(count), np.uint8)
-    row, found = np.empty(BLOCK, np.int64), 0
+    table, verdict, hit = np.zeros(TABLE), np.empty(BLOCK, np.uint8), np.empty(len(number), np.uint8)
     axis, half, total, probe = np.empty((9, 3)), np.empty(9), exact.zeros(), exact.zeros()
-    which, cut = np.empty(BLOCK, np.int64), np.empty(CUT)
+    which, cut, row = np.empty(BLOCK, np.int64), np.empty(CUT), np.arange(BLOCK)
     flat = (center_a.reshape(-1), axes_a.reshape(-1), half_a.reshape(-1),
             center_b.reshape(-1), axes_b.reshape(-1), half_b.reshape(-1))
-    for first in range(0, len(count), BLOCK):
-        size = min(BLOCK, len(count) - first)
+    # A block's manifolds, which stay in the fastest cache: of the room for eight points most is not used.
+    points, normals, spots = np.empty(BLOCK, np.int64), np.empty((BLOCK, 3)), np.empty((BLOCK, POINTS, 3))
+    gaps, names = np.empty((BLOCK, POINTS)), np.empty((BLOCK, POINTS), np.int64)
+    found = m = 0
+    for first in range(0, len(number), BLOCK):
+        size = min(BLOCK, len(number) - first)
         gather(first, size, *flat, table)
         judge(table, verdict)
         if _note(first, size, verdict, hit):
@@ -124,13 +127,21 @@ def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, count,
             if bad >= 0:
                 return found, bad
         hits = _list_hits(first, size, hit, which)
-        for k in range(hits):
-            number[found + k], row[k] = which[k], found + k
         _enter(table, hits, center_a, axes_a, half_a, which, center_b, axes_b, half_b, which)
         rank(table, hits)
-        cross_edges(table, hits, row, count, normal, point, apart, feature)
-        cut_faces(table, hits, row, count, normal, point, apart, feature, cut)
-        found += hits
+        cross_edges(table, hits, row, points, normals, spots, gaps, names)
+        cut_faces(table, hits, row, points, normals, spots, gaps, names, cut)
+        for k in range(hits):
+            number[found], first_point[found] = which[k], m
+            for c in range(3):
+                normal[found, c] = normals[k, c]
+            for p in range(points[k]):
+                for c in range(3):
+                    point[m, c] = spots[k, p, c]
+                apart[m], feature[m] = gaps[k, p], names[k, p]
+                m += 1
+            found += 1
+    first_point[found] = m
     return found, -1
 
 

@@ -51,7 +51,7 @@ def build(vertices: ArrayLike, faces: ArrayLike) -> Octree:
     tight.fit(box, link, corners, boxes)
     wide = np.empty((int((link[:, 1] > 0).sum()), tight.ROWS, tight.LANES), np.float32)
     tight.spread(link, boxes, inner, wide)
-    return Octree(box, link, corners, order, boxes, wide, inner)
+    return _sealed(Octree(box, link, corners, order, boxes, wide, inner))
 
 
 _kept: dict[bytes, Octree] = {}
@@ -63,8 +63,6 @@ def of(vertices: ArrayLike, faces: ArrayLike) -> Octree:
     digest = hashlib.sha256(points.tobytes() + indices.tobytes()).digest()
     if digest not in _kept:
         _kept[digest] = build(points, indices)
-        for array in _kept[digest]:
-            array.flags.writeable = False
     return _kept[digest]
 
 
@@ -80,7 +78,21 @@ def join(trees: Sequence[Octree]) -> tuple[Octree, Integers]:
     inner = [np.where(tree.inner < 0, -1, tree.inner + start).astype(np.int32)
              for tree, start in zip(trees, wide, strict=False)]
     whole = (np.concatenate(arrays) for arrays in zip(*trees, strict=True))
-    return Octree(*whole)._replace(link=np.concatenate(link), inner=np.concatenate(inner)), nodes[:-1]
+    forest = Octree(*whole)._replace(link=np.concatenate(link), inner=np.concatenate(inner))
+    return _sealed(forest), nodes[:-1]
+
+
+def _sealed(tree: Octree) -> Octree:
+    """The same, not to be written to: trees are shared, and kernels compile once and not for either kind of array."""
+    for array in tree:
+        array.flags.writeable = False
+    return tree
+
+
+# Of no mesh, for kernels that ask for one.
+EMPTY = _sealed(Octree(np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3)), np.empty(0, np.int64),
+                       np.empty((0, tight.ROWS), np.float32), np.empty((0, tight.ROWS, tight.LANES), np.float32),
+                       np.empty(0, np.int32)))
 
 
 def _mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[Floats, Integers]:

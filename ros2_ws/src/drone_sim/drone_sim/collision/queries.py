@@ -65,9 +65,9 @@ def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: in
 def _of_boxes(parts: Integers, *boxes: Floats) -> Contacts:
     """The contacts of k pairs of boxes, which are these parts (k, 2)."""
     found = obb.contacts(*boxes)
-    held = np.arange(POINTS) < found.points[:, None]
-    return Contacts(found.point[held], np.repeat(found.normal, found.points, axis=0), -found.separation[held],
-                    np.repeat(parts[found.number], found.points, axis=0))
+    points = np.diff(found.first)
+    return Contacts(found.point, np.repeat(found.normal, points, axis=0), -found.separation,
+                    np.repeat(parts[found.number], points, axis=0))
 
 
 def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision.octree import Octree
+from drone_sim.collision.octree import EMPTY, Octree
 from drone_sim.collision.ray_triangle import error, ray_triangle, shear
 from drone_sim.kernel import kernel
 from drone_sim.model import OBB, SPHERE, TRIANGLE
@@ -252,9 +252,7 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
         raise ValueError(f"directions: expected a length other than 0, ray {int(direction.any(axis=1).argmin())} has 0")
     if ((level > OBB) & (root < 0)).any() or (root >= nodes).any():
         raise ValueError(f"roots: expected nodes of a forest of {nodes} at levels octree and triangle, got {root}")
-    box, link, corners = np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3))
-    if forest is not None:
-        box, link, corners = forest.box, forest.link, forest.corners
+    box, link, corners, *_ = EMPTY if forest is None else forest
     table = np.empty((bodies, COLUMNS))
     tabulate(np.ascontiguousarray(pose[:, :3]), np.ascontiguousarray(pose[:, 3:]), extent, root, box, table)
     hits = Hits(np.full(count, np.inf), np.full(count, -1), np.full(count, -1), *np.full((2, count, 3), np.nan))

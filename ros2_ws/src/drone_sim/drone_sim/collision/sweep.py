@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.advancement import IMPACT, ITERATIONS, MOTION, NONE, PLACE, UNFINISHED, boxes_meet, relative
-from drone_sim.collision.octree import DEPTH, Octree
+from drone_sim.collision.octree import DEPTH, EMPTY, Octree
 from drone_sim.collision.ray import ray_sphere
 from drone_sim.collision.triangle_advancement import triangles_meet
 from drone_sim.kernel import kernel
@@ -209,9 +209,7 @@ def times(pairs: ArrayLike, positions: ArrayLike, orientations: ArrayLike, veloc
         raise ValueError(f"pairs: expected bodies 0 to {n - 1}, got {pair.min()} to {pair.max()}")
     if (root >= nodes).any():
         raise ValueError(f"roots: expected nodes of a forest of {nodes}, got {root.max()}")
-    box, link, corners = np.empty((0, 6)), np.empty((0, 4), np.int32), np.empty((0, 3, 3))
-    if forest is not None:
-        box, link, corners = forest.box, forest.link, forest.corners
+    box, link, corners, *_ = EMPTY if forest is None else forest
     impacts = Impacts(np.empty(k), np.empty(k, np.int64))
     position, orientation, velocity, spin = bodies
     sweep_pairs(pair[:, 0].copy(), pair[:, 1].copy(), position, orientation, velocity, spin, extent, level, root,
