@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from drone_interfaces.msg import Scene
+from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
+from drone_interfaces.srv import SetCollisionLevel
 from geometry_msgs.msg import PoseStamped, Twist, Vector3
 from live import Graph, NodeProcess, Spawn
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -113,6 +114,26 @@ def test_what_the_collision_detection_sees_is_shown_to_who_looks(graph: Graph) -
     assert shown["boxes"] % 24 == 0
     assert shown["boxes"] > 0
     assert shown["contacts"] > 0
+
+
+def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None:
+    events = graph.listen(CollisionEvents, "collisions")
+    assert load(graph, "hangar").result.result == Result.RESULT_OK
+
+    def floor_of(crate: str) -> int:
+        last = [event for event in events[-1].events if {event.object_a, event.object_b} == {crate, "floor"}]
+        return last[0].level if last else -1
+
+    graph.wait_for(lambda: events and floor_of("crate_0") == CollisionEvent.LEVEL_OBB, "a crate on the floor")
+    request = SetCollisionLevel.Request(level="triangle", a="crate_0")
+    answer = graph.call(SetCollisionLevel, "set_collision_level", request)
+    assert answer.success, answer.message
+    graph.wait_for(lambda: floor_of("crate_0") == CollisionEvent.LEVEL_TRIANGLE, "its triangles on the floor")
+    assert floor_of("crate_1") == CollisionEvent.LEVEL_OBB
+
+    answer = graph.call(SetCollisionLevel, "set_collision_level", SetCollisionLevel.Request(level="box"))
+    assert not answer.success
+    assert answer.message == "level: expected one of sphere, obb, octree, triangle, got 'box'"
 
 
 def test_a_twist_that_is_not_finite_is_counted_and_not_obeyed(graph: Graph, sim: NodeProcess) -> None:

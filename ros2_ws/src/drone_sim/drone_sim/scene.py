@@ -189,6 +189,8 @@ class Scene(Strict):
             for name in pair.between:
                 if not self.named(name):
                     raise ValueError(f"collision.pairs.{i}.between: no object is called '{name}'")
+                if any(self.objects[object_].parent for object_ in self.named(name)):
+                    raise ValueError(f"collision.pairs.{i}.between: '{name}' is a part of another object; name that")
         return self
 
     def level(self, name: str) -> Level:

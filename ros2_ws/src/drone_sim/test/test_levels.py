@@ -106,6 +106,12 @@ def test_a_pair_of_unknown_objects_is_an_error(world: Callable[..., World]) -> N
         world(ON_A_WALL, said("obb", ", pairs: [{between: [crate, tree], level: none}]"))
 
 
+def test_a_pair_with_a_part_of_an_object_is_an_error(world: Callable[..., World]) -> None:
+    with pytest.raises(SceneError, match=r"collision.pairs.0.between: 'lid' is a part of another object; name that"):
+        world(ON_A_WALL + "lid: {model: crate, parent: crate}",
+              said("obb", ", pairs: [{between: [wall, lid], level: none}]"))
+
+
 def test_two_runs_at_the_finest_level_are_equal_bit_for_bit(world: Callable[..., World]) -> None:
     hashes = []
     for _ in range(2):

@@ -7,6 +7,7 @@ from drone_sim.kernel import kernel
 INSIDE = 0.01  # m; contacts are looked for this far below a surface at least, or as far as the margin above it
 DEEP = 0.1  # m; and this far if nothing is found although the surfaces cut each other
 SHALLOW = 1e-3  # m; depths below it need no second look
+FEW = 64  # pairs of leaves; a body stands on all points of so few, of more on the deepest of each
 LEAST = 0.5  # of its depth: how far a contact's feature is from the other surface at least (0.7 at a cube's edge), else
 # another way out is shorter
 
@@ -84,7 +85,13 @@ def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, tur
             size[side, 0], size[side, 1], size[side, 2] = box[leaf, 3], box[leaf, 4], box[leaf, 5]
         points = obb.contact(spot, turn, size, 0, spot, turn, size, 1, margin, at, box_points, box_normal, box_point,
                              box_separation, box_feature, *scratch)
+        deepest = 0
+        for i in range(1, points):
+            if box_separation[at, i] < box_separation[at, deepest]:
+                deepest = i
         for i in range(points):
+            if near_count > FEW and i != deepest:
+                continue
             if found < separation.shape[0]:
                 gap = box_separation[at, i]
                 for c in range(3):
