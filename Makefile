@@ -36,7 +36,7 @@ bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; 
 	@$(RUN) bench/collision.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
-hard-cases: $(VENV)/peers  ## a million hard pairs of each family, judged exactly (half an hour); ARGS="--count 1000"
+hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minutes); make hard-cases ARGS="--count 1000"
 	@$(RUN) bench/hard_cases.py $(ARGS)
 
 figures: build  ## draw the pictures and films of the documentation anew

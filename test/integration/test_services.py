@@ -125,10 +125,10 @@ def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None
         return last[0].level if last else -1
 
     graph.wait_for(lambda: events and floor_of("crate_0") == CollisionEvent.LEVEL_OBB, "a crate on the floor")
-    request = SetCollisionLevel.Request(level="triangle", a="crate_0")
+    request = SetCollisionLevel.Request(level="sphere", a="crate_0")
     answer = graph.call(SetCollisionLevel, "set_collision_level", request)
     assert answer.success, answer.message
-    graph.wait_for(lambda: floor_of("crate_0") == CollisionEvent.LEVEL_TRIANGLE, "its triangles on the floor")
+    graph.wait_for(lambda: floor_of("crate_0") == CollisionEvent.LEVEL_SPHERE, "its sphere on the floor")
     assert floor_of("crate_1") == CollisionEvent.LEVEL_OBB
 
     answer = graph.call(SetCollisionLevel, "set_collision_level", SetCollisionLevel.Request(level="box"))
