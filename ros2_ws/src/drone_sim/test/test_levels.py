@@ -120,3 +120,18 @@ def test_two_runs_at_the_finest_level_are_equal_bit_for_bit(world: Callable[...,
             w.step()
         hashes.append(w.state.hash())
     assert hashes[0] == hashes[1]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("speed", [30.0, 300.0, 1000.0])
+def test_a_crate_is_never_shot_through_a_wall(world: Callable[..., World], level: str, speed: float) -> None:
+    w = world("crate: {model: crate, pose: [14, 0.2, 1.5, 0.3, 0.2, 0.1], mass: 5}\nwall: {model: wall, static: true}",
+              said(level).replace("gravity: {}", ""))
+    w.state.velocity_w[0] = (-speed, 0.0, 0.0)
+    w.state.angular_velocity_w[0] = (3.0, 5.0, 2.0)
+    nearest = []
+    for _ in range(60):
+        w.step()
+        nearest.append(w.state.position_w[0, 0])
+    assert min(nearest) > 0.75
+    assert min(nearest) < 5.0  # it got there

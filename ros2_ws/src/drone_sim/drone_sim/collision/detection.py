@@ -104,7 +104,8 @@ class Detection:
     def _find_ahead(self, pairs: Pairs) -> None:
         """Appends the contacts that fast bodies will have within the step."""
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
-        _, _, height, level, everything, margin = _only(meeting, pairs)
+        a, b, height, level, everything, margin = _only(meeting, pairs)
+        margin = margin + 2.0 * np.minimum(self._ball[a], self._ball[b])  # all that may swing round
         first = 2 * np.arange(len(meeting))
         there = first, first + 1, height, level, everything, margin
         self._find_rough(placed, there)

@@ -6,7 +6,7 @@ from drone_sim.kernel import kernel
 MOST = 6  # manifolds of a pair; what is concave is touched from a few sides at once
 LIKE = 0.97  # cosine of the angle between normals of one group
 SAME = 1e-4  # m; points this close are one
-DEPTH_WORTH = 4.0  # how many m of distance from the other points one m of depth is worth
+DEPTH_WORTH = 1.0  # how many m of distance from the other points one m of depth is worth
 
 
 @kernel
