@@ -101,7 +101,7 @@ class World:
     def _assemble(self) -> None:
         """Puts the stages together."""
         self.program = Program([*self._before, *self.detection.stages, *([self.sleep.waking] if self.sleep else []),
-                                self.motion.stage, *self._after])
+                                self.motion.stage, self.detection.catching, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
