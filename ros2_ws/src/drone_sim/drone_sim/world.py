@@ -11,13 +11,12 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from drone_sim import effects, model
+from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.solver import Motion
-from drone_sim.effects.gravity import Parameters as Gravity
-from drone_sim.flight import direct, rotors
+from drone_sim.flight import pilot, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
@@ -70,9 +69,7 @@ class World:
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
         forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
                                               np.zeros(len(m.rotors.names)), np.zeros(1))
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active))
-        gravity = active.get("gravity")
-        weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active), self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
         self._events = Events(self.detection)
@@ -80,20 +77,21 @@ class World:
         built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
         if flying:
             air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", direct.build(setting, weight)))
+            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
         acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
                           *(stage for _, stages in built for stage in stages.force)])
-        motion = Motion(m, s, self.detection, acting, forces, self.dt, self.scene.dynamics.substeps)
+        steering = Program([stage for _, stages in built for stage in stages.substep])
+        motion = Motion(m, s, self.detection, acting, steering, forces, self.dt, self.scene.dynamics.substeps)
         stages = [Stage("commands", age, (s.silence,))] if flying else []
         stages += [stage for _, stages in built for stage in stages.step]
         stages += [in_python("detection", self.detection), in_python("motion", motion),
                    in_python("events", self._events)]
         if flying:
-            stages += [direct.build_landing(setting, lambda: self.detection.manifolds)]
+            stages += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            stages += [rotors.build(setting)]
+            stages += rotors.build(setting)
         stages += [Stage("clock", tick, (s.step,))]
-        self.acting, self.program = acting, Program(stages)
+        self.acting, self.steering, self.program = acting, steering, Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
@@ -148,6 +146,7 @@ class World:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
         total = len(self.acting.stages) + len(self.program.stages)
         self.acting.compile(lambda done, _, name: report(done, total, name))
+        self.steering.compile()
         self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
         self.detection.compile()
         self._ready = True

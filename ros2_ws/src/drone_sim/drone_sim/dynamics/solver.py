@@ -216,10 +216,10 @@ def sum_impulses(count, points, impulse, total):
 class Motion:
     """The stage that moves all bodies by one step under `force_w`, `torque_w` and the contacts found."""
 
-    def __init__(self, model: Model, state: State, detection: Detection, acting: Program, forces: Forces,
+    def __init__(self, model: Model, state: State, detection: Detection, acting: Program, steering: Program, forces: Forces,
                  dt: float, substeps: int) -> None:
         self._bodies, self._state, self._detection = model.bodies, state, detection
-        self._acting, self._forces = acting, forces
+        self._acting, self._steering, self._forces = acting, steering, forces
         self._h, self._substeps = dt / substeps, substeps
         n = model.bodies.count
         self._tensor = np.empty((n, 3, 3))
@@ -243,7 +243,9 @@ class Motion:
         self._turn[:] = (0.0, 0.0, 0.0, 1.0)
         contacts = (m.count, m.pair, m.points, self._frame, m.anchor_w)
         gap = (self._mass, m.separation, m.impulse, bodies.friction, self._start, s.position_w, self._turn)
-        for _ in range(self._substeps):
+        for k in range(self._substeps):
+            self._forces.clock[0] = k * h
+            self._steering.run(1)
             self._acting.run(1)
             push(s.orientation_w, s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, bodies.inertia_b,
                  self._forces.force_w, self._forces.torque_w, h)
