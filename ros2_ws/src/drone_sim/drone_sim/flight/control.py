@@ -10,11 +10,25 @@ import math
 
 from drone_sim.flight.pilot import limited
 from drone_sim.kernel import inlined
+from drone_sim.rotation import matrix
 
 LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
 TURN_RATE = 8.0  # rad/s of roll and pitch together, at most
 FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
 NOTHING = 1e-300
+
+
+@inlined
+def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, weight):
+    """The rates that the rotors are to have, rad/s. q, v, a: orientation, velocity and angular velocity in the world;
+    w: the wanted velocity, world; weight: to carry, m/s^2."""
+    m = matrix(qx, qy, qz, qw)
+    thrust, tx, ty, tz = loops(c, m, vx, vy, vz, m[0] * ax + m[3] * ay + m[6] * az,
+                               m[1] * ax + m[4] * ay + m[7] * az, m[2] * ax + m[5] * ay + m[8] * az,
+                               wx, wy, wz, yaw_rate, weight)
+    f0, f1, f2, f3 = mix(c, thrust, tx, ty, tz)
+    k = c.per_coefficient
+    return math.sqrt(k * f0), math.sqrt(k * f1), math.sqrt(k * f2), math.sqrt(k * f3)
 
 
 @inlined
@@ -61,8 +75,8 @@ def mix(c, thrust, tx, ty, tz):
     spread = max(q0, q1, q2, q3) - min(q0, q1, q2, q3)
     scale = min((c.most - c.least) / (spread + NOTHING), 1.0)
     q0, q1, q2, q3 = q0 * scale, q1 * scale, q2 * scale, q3 * scale
-    low = max((c.least - q0) / c.t0, (c.least - q1) / c.t1, (c.least - q2) / c.t2, (c.least - q3) / c.t3)
-    high = min((c.most - q0) / c.t0, (c.most - q1) / c.t1, (c.most - q2) / c.t2, (c.most - q3) / c.t3)
+    low = max(c.e0 * (c.least - q0), c.e1 * (c.least - q1), c.e2 * (c.least - q2), c.e3 * (c.least - q3))
+    high = min(c.e0 * (c.most - q0), c.e1 * (c.most - q1), c.e2 * (c.most - q2), c.e3 * (c.most - q3))
     thrust = min(max(thrust, low), high)
     q0, q1, q2, q3 = q0 + c.t0 * thrust, q1 + c.t1 * thrust, q2 + c.t2 * thrust, q3 + c.t3 * thrust
     y0, y1, y2, y3 = c.w0 * tz, c.w1 * tz, c.w2 * tz, c.w3 * tz
@@ -79,20 +93,23 @@ def _room(c, thrust, more):
 
 
 @inlined
-def lift(c, n0, n1, n2, n3):
-    """The rotors' thrusts at these rates (rad/s), N, and their torques about the body's axes, N m."""
-    k = c.thrust_coefficient
+def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
+    """The rotors' thrusts at these rates (rad/s), N; their sum and its torque about the centre of mass, in the world."""
+    k, m = c.thrust_coefficient, matrix(qx, qy, qz, qw)
     f0, f1, f2, f3 = k * n0 * n0, k * n1 * n1, k * n2 * n2, k * n3 * n3
-    return (f0, f1, f2, f3,
-            c.y0 * f0 + c.y1 * f1 + c.y2 * f2 + c.y3 * f3,
-            -(c.x0 * f0 + c.x1 * f1 + c.x2 * f2 + c.x3 * f3),
-            -c.torque_ratio * (c.s0 * f0 + c.s1 * f1 + c.s2 * f2 + c.s3 * f3))
+    total = f0 + f1 + f2 + f3
+    x = c.y0 * f0 + c.y1 * f1 + c.y2 * f2 + c.y3 * f3
+    y = -(c.x0 * f0 + c.x1 * f1 + c.x2 * f2 + c.x3 * f3)
+    z = -c.torque_ratio * (c.s0 * f0 + c.s1 * f1 + c.s2 * f2 + c.s3 * f3)
+    return (f0, f1, f2, f3, total * m[2], total * m[5], total * m[8],
+            m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
 
 
 @inlined
-def rotor_drag(c, m, n0, n1, n2, n3, vx, vy, vz, dt):
-    """What the rotors lose by flying across their axes, N in the world: -rate c v each (Martin and Salaun 2010, The
-    True Role of Accelerometer Feedback in Quadrotor Control). v: through the air. No more than stops the drone in dt."""
+def rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, dt):
+    """What flying across the rotors' axes costs, N in the world: -rate c v of each (Martin and Salaun 2010, The True
+    Role of Accelerometer Feedback in Quadrotor Control); no more than stops the drone in dt. v: through the air."""
+    m = matrix(qx, qy, qz, qw)
     rate = min(c.rotor_drag * (n0 + n1 + n2 + n3), c.mass / dt)
     along = vx * m[2] + vy * m[5] + vz * m[8]
     return rate * (along * m[2] - vx), rate * (along * m[5] - vy), rate * (along * m[8] - vz)

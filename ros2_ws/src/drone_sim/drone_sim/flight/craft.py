@@ -10,6 +10,7 @@ from drone_sim.arrays import Floats
 from drone_sim.kernel import inlined
 from drone_sim.scene import Flight
 
+SIZE = 51  # numbers of a Craft
 SLOWEST = 0.35  # share of an error that the fastest loop takes away in one go, at most: more would overshoot
 CASCADE = 2.5  # by how much each loop is at least slower than the one within it
 
@@ -61,6 +62,15 @@ class Craft(NamedTuple):
     w1: float
     w2: float
     w3: float
+    # One over what is divided by again and again.
+    per_coefficient: float
+    per_ix: float
+    per_iy: float
+    per_iz: float
+    e0: float  # of the shares of the thrust
+    e1: float
+    e2: float
+    e3: float
 
 
 @inlined
@@ -69,7 +79,8 @@ def craft(row):
     return Craft(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10], row[11],
                  row[12], row[13], row[14], row[15], row[16], row[17], row[18], row[19], row[20], row[21], row[22],
                  row[23], row[24], row[25], row[26], row[27], row[28], row[29], row[30], row[31], row[32], row[33],
-                 row[34], row[35], row[36], row[37], row[38], row[39], row[40], row[41], row[42])
+                 row[34], row[35], row[36], row[37], row[38], row[39], row[40], row[41], row[42], row[43], row[44],
+                 row[45], row[46], row[47], row[48], row[49], row[50])
 
 
 def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...], h: float) -> Floats:
@@ -88,7 +99,8 @@ def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...],
     least, most = (frame.thrust_coefficient * turn**2 for turn in (frame.min_rate, frame.max_rate))
     return np.array([mass, *inertia, frame.thrust_coefficient, frame.torque_ratio, frame.rotor_drag, least, most,
                      velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
-                     math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel()])
+                     math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), 1.0 / frame.thrust_coefficient, *(1.0 / inertia),
+                     *(1.0 / shares[0])])
 
 
 def hovering(row: Floats, weight: float) -> Floats:

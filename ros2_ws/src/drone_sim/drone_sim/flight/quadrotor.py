@@ -14,11 +14,10 @@ from drone_sim import effects
 from drone_sim.airframe import Airframe, Arm
 from drone_sim.arrays import Floats, Integers
 from drone_sim.effects import Setting, Stages
-from drone_sim.flight.control import lift, loops, mix, rotor_drag
+from drone_sim.flight.control import lift, rates, rotor_drag
 from drone_sim.flight.craft import craft, hovering, numbers
 from drone_sim.kernel import kernel
 from drone_sim.model import Model
-from drone_sim.rotation import matrix
 from drone_sim.scene import SceneError
 from drone_sim.stage import Stage
 from drone_sim.strict import Strict
@@ -30,7 +29,7 @@ SPEED = "rotor_speed"  # (k, 4) rad/s of k quadrotors, in the state's memory
 def control(drone, body, row, orientation, velocity, angular, wanted, landed, weight, command):
     """Writes the rates that the rotors of k quadrotors are to have, (k, 4) rad/s; landed ones stop.
 
-    row: (k, 43) as Craft names them; wanted: (d, 4) velocity in the world, yaw rate; weight: to carry, m/s^2.
+    row: (k, SIZE) as Craft names them; wanted: (d, 4) velocity in the world, yaw rate; weight: to carry, m/s^2.
     """
     for k in range(drone.shape[0]):
         d = drone[k]
@@ -38,17 +37,10 @@ def control(drone, body, row, orientation, velocity, angular, wanted, landed, we
         if landed[d]:
             command[k] = 0.0
             continue
-        c = craft(row[k])
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        x, y, z = angular[i, 0], angular[i, 1], angular[i, 2]
-        thrust, tx, ty, tz = loops(
-            c, m, velocity[i, 0], velocity[i, 1], velocity[i, 2], m[0] * x + m[3] * y + m[6] * z,
-            m[1] * x + m[4] * y + m[7] * z, m[2] * x + m[5] * y + m[8] * z,
+        q, v, a = orientation[i], velocity[i], angular[i]
+        command[k, 0], command[k, 1], command[k, 2], command[k, 3] = rates(
+            craft(row[k]), q[0], q[1], q[2], q[3], v[0], v[1], v[2], a[0], a[1], a[2],
             wanted[d, 0], wanted[d, 1], wanted[d, 2], wanted[d, 3], weight)
-        f0, f1, f2, f3 = mix(c, thrust, tx, ty, tz)
-        a = c.thrust_coefficient
-        command[k, 0], command[k, 1] = np.sqrt(f0 / a), np.sqrt(f1 / a)
-        command[k, 2], command[k, 3] = np.sqrt(f2 / a), np.sqrt(f3 / a)
 
 
 @kernel
@@ -59,12 +51,10 @@ def fly(drone, body, row, rotor, orientation, now, force, torque, thrust):
     """
     for k in range(drone.shape[0]):
         i = body[drone[k]]
-        f0, f1, f2, f3, tx, ty, tz = lift(craft(row[k]), now[k, 0], now[k, 1], now[k, 2], now[k, 3])
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        total = f0 + f1 + f2 + f3
-        for c in range(3):
-            force[i, c] += total * m[3 * c + 2]
-            torque[i, c] += m[3 * c] * tx + m[3 * c + 1] * ty + m[3 * c + 2] * tz
+        q, n = orientation[i], now[k]
+        f0, f1, f2, f3, fx, fy, fz, tx, ty, tz = lift(craft(row[k]), q[0], q[1], q[2], q[3], n[0], n[1], n[2], n[3])
+        force[i, 0], force[i, 1], force[i, 2] = force[i, 0] + fx, force[i, 1] + fy, force[i, 2] + fz
+        torque[i, 0], torque[i, 1], torque[i, 2] = torque[i, 0] + tx, torque[i, 1] + ty, torque[i, 2] + tz
         if rotor[k, 0] >= 0:
             thrust[rotor[k, 0]], thrust[rotor[k, 1]], thrust[rotor[k, 2]], thrust[rotor[k, 3]] = f0, f1, f2, f3
 
@@ -77,8 +67,8 @@ def resist(drone, body, row, orientation, velocity, air, now, dt, force):
         vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         if air.shape[0]:
             vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        x, y, z = rotor_drag(craft(row[k]), m, now[k, 0], now[k, 1], now[k, 2], now[k, 3], vx, vy, vz, dt)
+        q, n = orientation[i], now[k]
+        x, y, z = rotor_drag(craft(row[k]), q[0], q[1], q[2], q[3], n[0], n[1], n[2], n[3], vx, vy, vz, dt)
         force[i, 0] += x
         force[i, 1] += y
         force[i, 2] += z

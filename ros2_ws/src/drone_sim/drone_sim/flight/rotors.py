@@ -18,7 +18,7 @@ TURN = 2.0 * math.pi
 def turned_on(angle, rate, dt):
     """The angle after dt s, from 0 to a full turn, in rad."""
     angle = angle + dt * rate
-    return angle - TURN * math.floor(angle / TURN)
+    return angle - TURN * np.floor(angle * (1.0 / TURN))
 
 
 @kernel
