@@ -28,7 +28,7 @@ def matrix(x, y, z, w):
             2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
 
 
-@kernel
+@inlined
 def rotate(x, y, z, w, vx, vy, vz):
     """The vector v, given in the body, in the world."""
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
