@@ -94,7 +94,7 @@ def _room(c, thrust, more):
 
 @inlined
 def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
-    """The rotors' thrusts at these rates (rad/s), N; their sum and its torque about the centre of mass, in the world."""
+    """The rotors' thrusts at these rates (rad/s), N; their force and torque on the drone in the world."""
     k, m = c.thrust_coefficient, matrix(qx, qy, qz, qw)
     f0, f1, f2, f3 = k * n0 * n0, k * n1 * n1, k * n2 * n2, k * n3 * n3
     total = f0 + f1 + f2 + f3
