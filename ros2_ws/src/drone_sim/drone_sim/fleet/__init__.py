@@ -17,7 +17,7 @@ from drone_sim.effects.drag import Parameters as Drag
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.effects.motor_lag import Parameters as MotorLag
 from drone_sim.fleet.block import ANGLE, COMMAND, HOLD, KEPT, LANES, ROWS, SILENT, SPEED, A, P, Q, V
-from drone_sim.fleet.schemes import advance, left_over
+from drone_sim.fleet.schemes import advance, left_over, tell
 from drone_sim.flight.quadrotor import SPEED as ROTOR_SPEED
 from drone_sim.flight.quadrotor import rotors_of, row_of
 from drone_sim.scene import Scene
@@ -92,11 +92,9 @@ class Fleet:
         Raises ValueError for one that is not finite.
         """
         if commands is not None:
-            wanted = np.asarray(commands, np.float64)
-            if wanted.shape not in ((4,), (self.copies, 4)) or not np.isfinite(wanted).all():
+            wanted = np.ascontiguousarray(commands, np.float64)
+            if wanted.shape not in ((4,), (self.copies, 4)) or not tell(self._table, wanted.reshape(-1, 4), LIMIT):
                 raise ValueError(f"commands: expected four finite numbers, or {self.copies} times four")
-            self._table[COMMAND : COMMAND + 4] = np.clip(wanted, -LIMIT, LIMIT).reshape(-1, 4).T
-            self._table[SILENT] = -1.0  # which the next step makes 0
         if self.in_blocks:
             advance(self._table, self._block, *self._shared, steps)
         for k, world in enumerate(self.worlds):

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from drone_sim.dynamics.integrators import NEWTON, converged_below, newton_midpoint, spun_euler, turned_midpoint
 from drone_sim.effects.motor_lag import followed, stopped
 from drone_sim.fleet.block import (
@@ -12,6 +14,7 @@ from drone_sim.fleet.block import (
     MARK,
     NEXT,
     Q_HALF,
+    SILENT,
     SPEED,
     SPIN,
     START,
@@ -21,6 +24,7 @@ from drone_sim.fleet.block import (
     WANTED,
     WEIGHT,
     A,
+    COMMAND,
     H,
     P,
     Q,
@@ -180,6 +184,18 @@ def advance(table, block, number, lag, drag, rotors, seen, second_order, substep
         for r in range(KEPT):
             for k in range(n):
                 table[r, first + k] = block[r * LANES + k]
+
+
+@kernel
+def tell(table, command, limit):
+    """Gives each drone its command, rows (n, 4), or all the only one (1, 4). False, and nothing, if one is not finite."""
+    if not np.isfinite(command).all():
+        return False
+    for k in range(table.shape[1]):
+        for c in range(4):
+            table[COMMAND + c, k] = min(max(command[k % command.shape[0], c], -limit), limit)
+        table[SILENT, k] = -1.0  # which the next step makes 0
+    return True
 
 
 @kernel
