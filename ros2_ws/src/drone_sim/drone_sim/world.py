@@ -77,7 +77,6 @@ class World:
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active), self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
         self._events = Events(lambda: self.detection.manifolds,
                               lambda: self.sleep.touching if self.sleep else NOBODY)
 
@@ -92,8 +91,10 @@ class World:
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
                              lambda: self.detection.manifolds)
+        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and not self._alone else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []
-        if flying:
+        if flying and not self._alone:
             self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
             self._after += rotors.build(setting)
@@ -102,7 +103,8 @@ class World:
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = Program([*self._before, *self.detection.stages, *([self.sleep.waking] if self.sleep else []),
+        detection = [] if self._alone else self.detection.stages
+        self.program = Program([*self._before, *detection, *([self.sleep.waking] if self.sleep else []),
                                 self.motion.stage, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
