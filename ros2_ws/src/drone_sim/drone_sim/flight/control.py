@@ -13,7 +13,8 @@ from drone_sim.rotation import matrix
 
 UPWARDS = 0.95  # of the acceleration that is allowed, which goes to height before all else; what is left, sideways
 LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
-TURN_RATE = 8.0  # rad/s of roll and of pitch, at most
+TURN_RATE = 5.0  # rad/s of roll and of pitch, at most
+SPIN = 4.0  # rad/s of yaw at which it is half of that: a top turns over slowly
 FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
 STARTLED = 2.0  # m/s from one control to the next that are no push, but a collision or another place
 
@@ -67,25 +68,32 @@ def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, px, py, pz, weight
     scale = 2.0 * c.attitude_gain / (along + length) if upright else 0.0
     rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if upright else TURN_RATE
     ry = scale * (m[1] * ex + m[4] * ey + m[7] * ez)
-    rx = min(max(rx, -TURN_RATE), TURN_RATE) + yaw_rate * m[6]
-    ry = min(max(ry, -TURN_RATE), TURN_RATE) + yaw_rate * m[7]
-    rz = yaw_rate * m[8]
+    fastest = TURN_RATE / (1.0 + bz * bz / (SPIN * SPIN))
+    rx, ry = min(max(rx, -fastest), fastest), min(max(ry, -fastest), fastest)
+    ahead_x, ahead_y = bz * ry, -bz * rx  # what is wanted stands still while the body turns
+    rx, ry, rz = rx + yaw_rate * m[6], ry + yaw_rate * m[7], yaw_rate * m[8]
 
-    # Torque for the wanted change of rates, and against the gyroscopic one.
+    # Torque for the wanted change of rates, and against the gyroscopic one of rates that are wanted at all: in a wild
+    # spin that would take all that the rotors have, and the spin would stay.
+    gx, gy = min(max(bx, -TURN_RATE), TURN_RATE), min(max(by, -TURN_RATE), TURN_RATE)
+    gz = min(max(bz, -TURN_RATE), TURN_RATE)
     return (c.mass * max(along, 0.0),
-            c.ix * c.rate_gain * (rx - bx) + (c.iz - c.iy) * by * bz,
-            c.iy * c.rate_gain * (ry - by) + (c.ix - c.iz) * bz * bx,
-            c.iz * c.yaw_gain * (rz - bz) + (c.iy - c.ix) * bx * by)
+            c.ix * (c.rate_gain * (rx - bx) + ahead_x) + (c.iz - c.iy) * gy * gz,
+            c.iy * (c.rate_gain * (ry - by) + ahead_y) + (c.ix - c.iz) * gz * gx,
+            c.iz * c.yaw_gain * (rz - bz) + (c.iy - c.ix) * gx * gy)
 
 
 @inlined
 def mix(c, thrust, tx, ty, tz):
     """The four rotors' thrusts, N, each between c.least and c.most.
 
-    What is too much is given up in this order: yaw, then thrust, then roll and pitch.
+    What is too much is given up in this order: yaw but for a little, without which a spin would stay; then thrust; then
+    roll, pitch and that little.
     """
-    q0, q1 = c.r0 * tx + c.p0 * ty, c.r1 * tx + c.p1 * ty
-    q2, q3 = c.r2 * tx + c.p2 * ty, c.r3 * tx + c.p3 * ty
+    little = min(max(tz, -c.little_yaw), c.little_yaw)
+    tz -= little
+    q0, q1 = c.r0 * tx + c.p0 * ty + c.w0 * little, c.r1 * tx + c.p1 * ty + c.w1 * little
+    q2, q3 = c.r2 * tx + c.p2 * ty + c.w2 * little, c.r3 * tx + c.p3 * ty + c.w3 * little
     spread = max(q0, q1, q2, q3) - min(q0, q1, q2, q3)
     scale = (c.most - c.least) / spread if spread > c.most - c.least else 1.0
     q0, q1, q2, q3 = q0 * scale, q1 * scale, q2 * scale, q3 * scale

@@ -10,9 +10,10 @@ from drone_sim.arrays import Floats
 from drone_sim.kernel import inlined
 from drone_sim.scene import Flight
 
-SIZE = 60  # numbers of a Craft
+SIZE = 61  # numbers of a Craft
 SLOWEST = 0.35  # share of an error that the fastest loop takes away in one go, at most: more would overshoot
 PUSHED = 0.6  # of the acceleration that is allowed: the strongest push that is met
+LITTLE_YAW = 0.2  # of what a rotor can do, which yaw gets before thrust does
 CASCADE = 2.5  # by how much each loop is at least slower than the one within it
 
 
@@ -81,6 +82,7 @@ class Craft(NamedTuple):
     v1: float
     v2: float
     v3: float
+    little_yaw: float  # N m
 
 
 @inlined
@@ -91,7 +93,7 @@ def craft(row):
                  row[23], row[24], row[25], row[26], row[27], row[28], row[29], row[30], row[31], row[32], row[33],
                  row[34], row[35], row[36], row[37], row[38], row[39], row[40], row[41], row[42], row[43], row[44],
                  row[45], row[46], row[47], row[48], row[49], row[50], row[51], row[52], row[53], row[54], row[55],
-                 row[56], row[57], row[58], row[59])
+                 row[56], row[57], row[58], row[59], row[60])
 
 
 def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...], h: float) -> Floats:
@@ -114,7 +116,8 @@ def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...],
         velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
         math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), h, 2.0 * watch * h, watch**2 * h,
         PUSHED * flight.max_acceleration, 1.0 / mass, 1.0 / frame.thrust_coefficient, *(1.0 / inertia),
-        *(1.0 / shares[0]), *(1.0 / np.abs(shares[3]))])
+        *(1.0 / shares[0]), *(1.0 / np.abs(shares[3])),
+        LITTLE_YAW * (most - least) / np.abs(shares[3]).max()])
 
 
 def hovering(row: Floats, weight: float) -> Floats:
