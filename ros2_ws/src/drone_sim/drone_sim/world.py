@@ -91,7 +91,7 @@ class World:
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
-                             lambda: self.detection.manifolds)
+                             lambda: self.detection.manifolds, self.scene.dynamics.passes)
         self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
         self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and not self._alone else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []

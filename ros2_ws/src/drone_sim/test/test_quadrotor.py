@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drone_sim import effects
@@ -107,6 +107,7 @@ def test_thrust_and_torque_are_those_of_the_rotors(axis: int) -> None:
     np.testing.assert_allclose(lifted(IRIS, *quarter, *speeds)[4:], [*force, *torque], atol=1e-12)
 
 
+@settings(deadline=None)
 @given(thrust=st.floats(0.0, 30.0), roll=st.floats(-0.6, 0.6), pitch=st.floats(-0.35, 0.35), yaw=st.floats(-0.3, 0.3))
 def test_mixing_keeps_the_attitude(thrust: float, roll: float, pitch: float, yaw: float) -> None:
     thrusts = np.array(mixed(IRIS, thrust, roll, pitch, yaw))
