@@ -2,7 +2,7 @@
 
 import math
 
-from drone_sim.kernel import kernel
+from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix, rotate, turned
 
 NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
@@ -10,7 +10,7 @@ CONVERGED = 1e-30  # of the square of an angular velocity
 SLOW = 1e-4  # square of the angle turned in a sub-step
 
 
-@kernel
+@inlined
 def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, both of the world; m: rotation matrix, i: principal moments.
 
@@ -28,7 +28,7 @@ def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     return (m[0] * wx + m[1] * wy + m[2] * wz, m[3] * wx + m[4] * wy + m[5] * wz, m[6] * wx + m[7] * wy + m[8] * wz)
 
 
-@kernel
+@inlined
 def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
     """Solves (I + [s] I - [I s]) d = f, the Jacobian of I w + h w x I w with s = h w."""
     j00, j01, j02 = ix, sz * (iz - iy), sy * (iz - iy)
@@ -46,36 +46,63 @@ def spun_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, all in the body frame, by the implicit midpoint rule: energy and the
     length of the angular momentum stay as they are without torque (Austin, Krishnaprasad and Wang 1993, Almost Poisson
     Integration of Rigid Body Systems)."""
+    ax, ay, az = wx + h / ix * tx, wy + h / iy * ty, wz + h / iz * tz
+    if slow(wx, wy, wz, h):
+        return spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h)
+    for _ in range(NEWTON):
+        ax, ay, az, found = nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az)
+        if found:
+            break
+    return ax, ay, az
+
+
+@inlined
+def slow(wx, wy, wz, h):
+    """Whether fixed-point iterations, each of which gains a factor of h w, find the midpoint."""
+    return (wx * wx + wy * wy + wz * wz) * h * h < SLOW
+
+
+@inlined
+def spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """spun_midpoint where that is slow."""
     ux, uy, uz = h / ix, h / iy, h / iz
     gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
     cx, cy, cz = wx + ux * tx, wy + uy * ty, wz + uz * tz
     ax, ay, az = cx, cy, cz
-    if (wx * wx + wy * wy + wz * wz) * h * h < SLOW:  # each iteration gains a factor of h w
-        for _ in range(4):
-            mx, my, mz = ax + wx, ay + wy, az + wz
-            ax, ay, az = cx - gx * my * mz, cy - gy * mz * mx, cz - gz * mx * my
-        return ax, ay, az
-    limit = CONVERGED * (wx * wx + wy * wy + wz * wz)
-    for _ in range(NEWTON):
+    for _ in range(4):
         mx, my, mz = ax + wx, ay + wy, az + wz
-        fx, fy, fz = ax - cx + gx * my * mz, ay - cy + gy * mz * mx, az - cz + gz * mx * my
-        if fx * fx + fy * fy + fz * fz < limit:
-            break
-        dx, dy, dz = _newton(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
-        ax, ay, az = ax - dx, ay - dy, az - dz
+        ax, ay, az = cx - gx * my * mz, cy - gy * mz * mx, cz - gz * mx * my
     return ax, ay, az
+
+
+@inlined
+def nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az):
+    """A Newton step from a towards what spun_midpoint looks for; where a is that already, a and True."""
+    ux, uy, uz = h / ix, h / iy, h / iz
+    gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
+    mx, my, mz = ax + wx, ay + wy, az + wz
+    fx, fy, fz = (ax - (wx + ux * tx) + gx * my * mz, ay - (wy + uy * ty) + gy * mz * mx,
+                  az - (wz + uz * tz) + gz * mx * my)
+    dx, dy, dz = _newton(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
+    found = fx * fx + fy * fy + fz * fz < CONVERGED * (wx * wx + wy * wy + wz * wz)
+    return ax if found else ax - dx, ay if found else ay - dy, az if found else az - dz, found
 
 
 @kernel
 def cayley(q, i, wx, wy, wz, h):
     """Turns orientation i of q by h s at the angular velocity w of the body frame, as the midpoint rule does: the
     angular momentum in the world then stays exactly as it is."""
-    x, y, z, w = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = turned_midpoint(q[i, 0], q[i, 1], q[i, 2], q[i, 3], wx, wy, wz, h)
+
+
+@inlined
+def turned_midpoint(x, y, z, w, wx, wy, wz, h):
+    """The same for a quaternion."""
     ax, ay, az = 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz
     nx, ny, nz = x + w * ax + y * az - z * ay, y + w * ay + z * ax - x * az, z + w * az + x * ay - y * ax
     nw = w - x * ax - y * ay - z * az
     norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = nx * norm, ny * norm, nz * norm, nw * norm
+    return nx * norm, ny * norm, nz * norm, nw * norm
 
 
 @kernel

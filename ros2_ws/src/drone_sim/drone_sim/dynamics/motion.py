@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
+from drone_sim.arrays import Floats
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.bounce import aim, note, throw
 from drone_sim.dynamics.constraints import COLOURS, colour, enter, group, inverse_inertia, tables, take_back, work_out
@@ -122,25 +122,29 @@ def begin(count, pair, points, normal, anchor, separation, impulse, friction, po
 
 
 @kernel
-def semi_implicit_euler(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
-                        friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
-                        radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used,
-                        colours, size, unit, body, table, trial, substeps, passes, h):
+def semi_implicit_euler(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor,
+                        separation, impulse, friction, total, position, orientation, velocity, angular, force, torque,
+                        inverse_mass, inertia, radius, rough, springy, free, held, mark, start, tensor, moving,
+                        gathered, hurried, used, colours, size, unit, body, table, trial, substeps, passes, h):
     """First order: velocities from forces, then positions from the new velocities."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                   hurried, used, colours, size, unit, body, table)
-    if groups < 0:
-        return groups
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                       hurried, used, colours, size, unit, body, table)
+        if groups < 0:
+            return groups
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
-        take_speeds(held, velocity, angular, moving)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            take_speeds(held, velocity, angular, moving)
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + awake[0]):
             push_euler(awake[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         for k in range(1, 1 + free[0]):
@@ -148,30 +152,35 @@ def semi_implicit_euler(function, address, clock, awake, end, pair, points, norm
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
                  gathered, bouncing, h, passes, False)
-    take_back(groups, unit, points, table, impulse, friction, total)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
 @kernel
-def midpoint(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
-             position, orientation, velocity, angular, force, torque, inverse_mass, inertia, radius, rough, springy,
-             free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size, unit, body, table, trial,
-             substeps, passes, h):
+def midpoint(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation,
+             impulse, friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
+             radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size,
+             unit, body, table, trial, substeps, passes, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                   hurried, used, colours, size, unit, body, table)
-    if groups < 0:
-        return groups
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                       hurried, used, colours, size, unit, body, table)
+        if groups < 0:
+            return groups
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
-        take_speeds(held, velocity, angular, moving)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            take_speeds(held, velocity, angular, moving)
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
@@ -200,7 +209,8 @@ def midpoint(function, address, clock, awake, end, pair, points, normal, anchor,
                 bx, by, bz = spun_midpoint(inertia[i, 0], inertia[i, 1], inertia[i, 2], ax, ay, az, tx, ty, tz, h)
                 cayley(orientation, i, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
                 angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, bx, by, bz)
-    take_back(groups, unit, points, table, impulse, friction, total)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
@@ -267,12 +277,11 @@ SCHEMES = {"semi_implicit_euler": semi_implicit_euler, "midpoint": midpoint, "rk
 class Motion:
     """The stage and its buffers."""
 
-    def __init__(self, scheme: str, setting: Setting, acting: Program, manifolds: Callable[[], Manifolds],
-                 substeps: int, passes: int) -> None:
+    def __init__(self, scheme: str, setting: Setting, acting: Program, steering: Program,
+                 manifolds: Callable[[], Manifolds], passes: int) -> None:
         n = setting.model.bodies.count
-        self._setting, self._acting, self._manifolds = setting, acting, manifolds
-        self._passes = passes
-        self._kernel, self._substeps, self._h = SCHEMES[scheme], substeps, setting.dt / substeps
+        self._setting, self._acting, self._steering, self._manifolds = setting, acting, steering, manifolds
+        self._kernel, self._passes, self._h = SCHEMES[scheme], passes, setting.dt / setting.substeps
         self._free, self._held = np.zeros((2, n + 1), np.int64)
         self._mark, self._hurried, self._used = *np.zeros((2, n), np.bool_), np.zeros((n, 2), np.int64)
         self._radius: Floats = np.linalg.norm(setting.model.bodies.half, axis=1)
@@ -301,10 +310,11 @@ class Motion:
 
     def _arguments(self) -> tuple[Any, ...]:
         s, bodies, forces, m = self._setting.state, self._setting.model.bodies, self._setting.forces, self._manifolds()
-        functions: Integers = self._acting.function
-        return (functions, self._acting.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
-                m.separation, m.impulse, m.friction, m.total, s.position_w, s.orientation_w, s.velocity_w,
-                s.angular_velocity_w, forces.force_w, forces.torque_w, bodies.inverse_mass, bodies.inertia_b,
-                self._radius, bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._tensor,
-                self._moving, self._gathered, self._hurried, self._used, self._colours, self._size, *self._tables, self._trial,
-                self._substeps, self._passes, self._h)
+        acting, steering = self._acting, self._steering
+        return (acting.function, acting.row, steering.function, steering.row, forces.clock, s.awake, m.end, m.pair,
+                m.points, m.normal_w, m.anchor_w, m.separation, m.impulse, m.friction, m.total, s.position_w,
+                s.orientation_w, s.velocity_w, s.angular_velocity_w, forces.force_w, forces.torque_w,
+                bodies.inverse_mass, bodies.inertia_b, self._radius, bodies.friction, bodies.restitution, self._free,
+                self._held, self._mark, self._start, self._tensor, self._moving, self._gathered, self._hurried,
+                self._used, self._colours, self._size, *self._tables, self._trial, self._setting.substeps,
+                self._passes, self._h)
