@@ -16,7 +16,6 @@ from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.solver import Motion
-from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.flight import direct, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
@@ -70,9 +69,7 @@ class World:
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
         forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
                                               np.zeros(len(m.rotors.names)), np.zeros(1))
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active))
-        gravity = active.get("gravity")
-        weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
+        setting = effects.Setting(m, s, forces, self.dt, self.dt / self.scene.dynamics.substeps, self.scene.seed, active)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
         self._events = Events(self.detection)
@@ -80,7 +77,7 @@ class World:
         built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
         if flying:
             air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", direct.build(setting, weight)))
+            built.insert(air, ("flight", direct.build(setting, effects.weight(active))))
         acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
                           *(stage for _, stages in built for stage in stages.force)])
         motion = Motion(m, s, self.detection, acting, forces, self.dt, self.scene.dynamics.substeps)
