@@ -52,9 +52,14 @@ class Setting(NamedTuple):
     state: "State"
     forces: Forces
     dt: float  # s, of a step
-    h: float  # s, of a sub-step: forces are asked for at least as often
     seed: int  # the scene's
     active: Mapping[str, Strict]  # all effects of the scene, and their parameters
+    substeps: int  # of a step
+
+    @property
+    def h(self) -> float:
+        """s, of a sub-step: forces are asked for at least as often."""
+        return self.dt / self.substeps
 
 
 class Stages(NamedTuple):
