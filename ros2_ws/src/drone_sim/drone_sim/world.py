@@ -22,6 +22,7 @@ from drone_sim.program import Program
 from drone_sim.scene import Scene
 from drone_sim.stage import Stage, in_python
 from drone_sim.state import State
+from drone_sim.timing import Laps, times
 
 @kernel
 def rest(awake, force, torque, air):
@@ -51,9 +52,14 @@ Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rat
 class World:
     """One scene with its state. Two worlds of one scene that get the same commands stay equal bit for bit."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read."""
+    def __init__(self, scene: Scene, timed: bool = False) -> None:
+        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read.
+
+        timed: reads a clock between any two stages, for stage_times; the motion is the same.
+        """
         self.scene = scene
+        self._timed = timed
+        self._laps: dict[str, Laps] = {}
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
@@ -73,12 +79,13 @@ class World:
         self.detection = Detection(m, s, self.dt)
         self._events = Events(self.detection)
 
-        built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
+        self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
+        built = list(self.effects.items())
         if flying:
             air = sum(name in effects.AIR for name in active)
             built.insert(air, ("flight", direct.build(setting, effects.weight(active))))
-        self.acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
-                               *(stage for _, stages in built for stage in stages.force)])
+        self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
+                                                    *(stage for _, stages in built for stage in stages.force)])
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
@@ -93,10 +100,17 @@ class World:
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = Program([*self._before, *self.detection.stages, self.motion.stage, *self._after])
+        self.program = self._put_together("step", [*self._before, *self.detection.stages, self.motion.stage,
+                                                   *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
+
+    def _put_together(self, name: str, stages: list[Stage]) -> Program:
+        if self._timed:
+            self._laps[name] = Laps(stages)
+            stages = self._laps[name].stages
+        return Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
@@ -156,6 +170,18 @@ class World:
         self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
         self.detection.compile()
         self._ready = True
+
+    def stage_names(self) -> list[str]:
+        """What a step is made of: the stages in order, and after 'motion' those that it asks for forces."""
+        forces = [f"motion: {stage.name}" for stage in self.acting.stages if stage.name]
+        names = [stage.name for stage in self.program.stages if stage.name]
+        at = names.index("motion") + 1
+        return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
+
+    def stage_times(self) -> dict[str, float]:
+        """Of a timed world: us per step of each stage since this was last called; forces are those of 'motion: '."""
+        step, *nested = (self._laps[name] for name in ("step", "forces"))
+        return times(step, "motion", nested)
 
     @property
     def time(self) -> float:

@@ -119,8 +119,8 @@ def test_gusts_take_the_wind_of_the_scene_and_run_along_it(world: Make) -> None:
     breeze = "wind: {mean: [0, 8, 0], profile: log}"
     assert gusts.wind_6m(gusts.Parameters(wind_6m=3.0), None) == 3.0  # type: ignore[arg-type]
     swept = world(CRATE, f"effects: {{drag: {{}}, gusts: {{}}, {breeze}}}")
-    told = world(CRATE, f"effects: {{drag: {{}}, gusts: {{wind_6m: {8 * wind.Parameters(profile='log').factor(6.096)}}}, "
-                        f"{breeze}}}")
+    speed = 8 * wind.Parameters(profile="log").factor(6.096)
+    told = world(CRATE, f"effects: {{drag: {{}}, gusts: {{wind_6m: {speed}}}, {breeze}}}")
     for _ in range(50):
         swept.step()
         told.step()

@@ -1,7 +1,7 @@
 """What acts on bodies: one effect a file, built only for scenes that name it.
 
-To add one, write a module with `Parameters` and `build`, and its line in EFFECTS. Its stages see all arrays; they add to
-forces.force_w and torque_w, or to forces.air_w if it stirs the air. What goes on from step to step is kept by
+To add one, write a module with `Parameters` and `build`, and its line in EFFECTS. Its stages see all arrays; they add
+to forces.force_w and torque_w, or to forces.air_w if it stirs the air. What goes on from step to step is kept by
 `state.remember`, so that it is part of the state and its hash; randomness comes from `setting.seed` (see noise.py).
 """
 

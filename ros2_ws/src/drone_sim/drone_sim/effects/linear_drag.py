@@ -7,7 +7,6 @@ call damping.
 
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field
 
 from drone_sim.effects import Setting, Stages

@@ -3,8 +3,9 @@
 Buoyancy is the weight of the water displaced (Archimedes), exact for a box in any pose, at the centroid of the part
 that is under. Drag there is linear and quadratic (Fossen 2011, Handbook of Marine Craft Hydrodynamics, 6.4):
 F = -(k rho V + 1/2 rho C A |v|) v, with V the volume under water and A the box's shadow along its way, as much of it as
-of the volume is under; k damps rotation likewise. There are no waves, and no mass of water moves along. The gravity is
-the scene's: without it nothing floats.
+of the volume is under; k damps rotation likewise. The mass c rho V of water moves along (DNV-RP-C205, table D-2; 0.68
+for a cube): what weight, buoyancy and drag leave over accelerates it, too, while thrust and contacts move the body
+alone. There are no waves. The gravity is the scene's: without it nothing floats.
 """
 
 import math
@@ -25,13 +26,14 @@ class Parameters(Strict):
     density: float = Field(1025.0, gt=0.0, le=20000.0)  # kg/m^3; sea water, 998 for fresh water
     coefficient: float = Field(1.0, ge=0.0, le=10.0)  # of quadratic drag; about 1.05 for a cube
     damping: float = Field(0.5, ge=0.0, le=100.0)  # 1/s, of the displaced water's momentum
+    added_mass: float = Field(0.68, ge=0.1, le=10.0)  # of the displaced water's; a cube's
     current: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s
 
 
 @kernel
 def float_up(awake, position, orientation, velocity, angular, half, mass, inertia, level, density, gravity, drag,
-             damping, cx, cy, cz, h, polygon, force, torque):
-    """Adds buoyancy and drag to force and torque (n, 3). gravity: m/s^2; drag: C / 2; h: s of a sub-step."""
+             damping, added, cx, cy, cz, h, polygon, force, torque):
+    """Adds buoyancy and drag to force and torque (n, 3). gravity: m/s^2; drag: C / 2; added: c; h: s of a sub-step."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         ball = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
@@ -43,6 +45,8 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
             continue
         whole = 8.0 * half[i, 0] * half[i, 1] * half[i, 2]
         under, water = volume / whole, density * volume
+        share = mass[i] / (mass[i] + added * water)  # the body's, of what moves
+        lift = mass[i] * gravity + share * (water - mass[i]) * gravity  # the weight itself is another effect's
 
         wx, wy, wz = angular[i, 0], angular[i, 1], angular[i, 2]
         vx = velocity[i, 0] + wy * pz - wz * py - cx
@@ -55,17 +59,13 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
         least = min(inertia[i, 0], min(inertia[i, 1], inertia[i, 2]))
         felt = 1.0 / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # the mass at that point
         # No more than stops that point within this sub-step.
-        rate = min(damping * water + drag * density * under * area_speed, 0.5 * felt / h)
-        # What is light and flat would bob faster than sub-steps can follow: in four, it is lifted out at most.
-        low = abs(m[6]) * half[i, 0] + abs(m[7]) * half[i, 1] + abs(m[8]) * half[i, 2]
-        out = max((level - position[i, 2] + low) / (4.0 * h) - vz, 0.0) / h
-        lift = min(water * gravity, mass[i] * gravity + felt * out)
+        rate = min(share * (damping * water + drag * density * under * area_speed), 0.5 * felt / h)
         fx, fy, fz = -rate * vx, -rate * vy, lift - rate * vz
         force[i, 0] += fx
         force[i, 1] += fy
         force[i, 2] += fz
 
-        spin = min(damping * water / mass[i], 0.5 / h)
+        spin = min(share * damping * water / mass[i], 0.5 / h)
         bx = spin * inertia[i, 0] * (m[0] * wx + m[3] * wy + m[6] * wz)
         by = spin * inertia[i, 1] * (m[1] * wx + m[4] * wy + m[7] * wz)
         bz = spin * inertia[i, 2] * (m[2] * wx + m[5] * wy + m[8] * wz)
@@ -80,5 +80,5 @@ def build(parameters: Parameters, setting: Setting) -> Stages:
         return Stages(idle="nothing in the scene moves")
     return Stages(force=(Stage("water", float_up, (
         s.awake, s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, b.half, b.mass, b.inertia_b,
-        p.level, p.density, weight(setting.active), 0.5 * p.coefficient, p.damping, *p.current, setting.h,
+        p.level, p.density, weight(setting.active), 0.5 * p.coefficient, p.damping, p.added_mass, *p.current, setting.h,
         np.empty((MOST, 3)), forces.force_w, forces.torque_w)),))
