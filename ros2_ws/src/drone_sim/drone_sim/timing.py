@@ -104,5 +104,7 @@ def times(step: Laps, within: str, nested: Sequence[Laps]) -> dict[str, float]:
     for laps in nested:
         passes, inner = laps.take()
         spent[within] -= sum(inner.values()) + laps.readings(passes)
-        spent |= {f"{within}: {name}": us for name, us in inner.items()}
+        for name, us in inner.items():
+            told = f"{within}: {name}"
+            spent[told] = spent.get(told, 0.0) + us
     return {name: max(us, 0.0) / steps for name, us in spent.items()} if steps else {}

@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from drone_sim import effects, model
+from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.motion import Motion
-from drone_sim.flight import direct, rotors
+from drone_sim.flight import pilot, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
@@ -83,18 +83,19 @@ class World:
         built = list(self.effects.items())
         if flying:
             air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", direct.build(setting, effects.weight(active))))
+            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
         self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
                                                     *(stage for _, stages in built for stage in stages.force)])
+        self.steering = self._put_together("sub-steps", [stage for _, stages in built for stage in stages.substep])
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
-        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
-                             self.scene.dynamics.substeps)
+        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
+                             lambda: self.detection.manifolds)
         self._after = [in_python("events", self._events)]
         if flying:
-            self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]
+            self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            self._after += [rotors.build(setting)]
+            self._after += rotors.build(setting)
         self._after += [Stage("clock", tick, (s.step,))]
         self._assemble()
 
@@ -167,21 +168,22 @@ class World:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
         total = len(self.acting.stages) + len(self.program.stages)
         self.acting.compile(lambda done, _, name: report(done, total, name))
+        self.steering.compile()
         self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
         self.detection.compile()
         self._ready = True
 
     def stage_names(self) -> list[str]:
-        """What a step is made of: the stages in order, and after 'motion' those that it asks for forces."""
-        forces = [f"motion: {stage.name}" for stage in self.acting.stages if stage.name]
+        """What a step is made of: the stages in order, and after 'motion' those that it runs in its sub-steps."""
+        inner = (*self.steering.stages, *self.acting.stages)
+        forces = [f"motion: {stage.name}" for stage in inner if stage.name]
         names = [stage.name for stage in self.program.stages if stage.name]
         at = names.index("motion") + 1
         return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
 
     def stage_times(self) -> dict[str, float]:
-        """Of a timed world: us per step of each stage since this was last called; forces are those of 'motion: '."""
-        step, *nested = (self._laps[name] for name in ("step", "forces"))
-        return times(step, "motion", nested)
+        """Of a timed world: us per step of each stage since this was last called, by `stage_names`."""
+        return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
 
     @property
     def time(self) -> float:

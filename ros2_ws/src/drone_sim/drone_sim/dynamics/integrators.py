@@ -1,13 +1,15 @@
 """Velocities and positions of rigid bodies over a sub-step: the pieces that the schemes of motion.py are made of."""
 
-from drone_sim.kernel import kernel
+import math
+
+from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix, rotate, turned
 
 NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
 CONVERGED = 1e-28  # of the square of an angular momentum
 
 
-@kernel
+@inlined
 def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, both of the world; m: rotation matrix, i: principal moments.
 
@@ -25,7 +27,7 @@ def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     return (m[0] * wx + m[1] * wy + m[2] * wz, m[3] * wx + m[4] * wy + m[5] * wz, m[6] * wx + m[7] * wy + m[8] * wz)
 
 
-@kernel
+@inlined
 def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
     """Solves (I + [s] I - [I s]) d = f, the Jacobian of I w + h w x I w with s = h w."""
     j00, j01, j02 = ix, sz * (iz - iy), sy * (iz - iy)
@@ -38,35 +40,53 @@ def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
             scale * (c2 * fx + (j01 * j20 - j00 * j21) * fy + (j00 * j11 - j01 * j10) * fz))
 
 
+@inlined
+def converged_below(ix, iy, iz, wx, wy, wz):
+    """The square of an angular momentum that is small beside that of w."""
+    return CONVERGED * (ix * ix * wx * wx + iy * iy * wy * wy + iz * iz * wz * wz + 1e-300)
+
+
 @kernel
 def spun_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, all in the body frame, by the implicit midpoint rule: energy and the
     length of the angular momentum stay as they are without torque (Austin, Krishnaprasad and Wang 1993, Almost Poisson
     Integration of Rigid Body Systems)."""
     ax, ay, az = wx, wy, wz
-    limit = CONVERGED * (ix * ix * wx * wx + iy * iy * wy * wy + iz * iz * wz * wz + 1e-300)
+    limit = converged_below(ix, iy, iz, wx, wy, wz)
     for _ in range(NEWTON):
-        mx, my, mz = 0.5 * (ax + wx), 0.5 * (ay + wy), 0.5 * (az + wz)
-        fx = ix * (ax - wx) + h * (my * mz * (iz - iy) - tx)
-        fy = iy * (ay - wy) + h * (mz * mx * (ix - iz) - ty)
-        fz = iz * (az - wz) + h * (mx * my * (iy - ix) - tz)
-        if fx * fx + fy * fy + fz * fz < limit:
+        ax, ay, az, converged = newton_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az, limit)
+        if converged:
             break
-        dx, dy, dz = _newton(ix, iy, iz, 0.5 * h * mx, 0.5 * h * my, 0.5 * h * mz, fx, fy, fz)
-        ax, ay, az = ax - dx, ay - dy, az - dz
     return ax, ay, az
+
+
+@inlined
+def newton_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az, limit):
+    """One iteration of that from a; as it is where what is missing has a square below the limit, and whether it has."""
+    mx, my, mz = 0.5 * (ax + wx), 0.5 * (ay + wy), 0.5 * (az + wz)
+    fx = ix * (ax - wx) + h * (my * mz * (iz - iy) - tx)
+    fy = iy * (ay - wy) + h * (mz * mx * (ix - iz) - ty)
+    fz = iz * (az - wz) + h * (mx * my * (iy - ix) - tz)
+    dx, dy, dz = _newton(ix, iy, iz, 0.5 * h * mx, 0.5 * h * my, 0.5 * h * mz, fx, fy, fz)
+    converged = fx * fx + fy * fy + fz * fz < limit
+    return ax if converged else ax - dx, ay if converged else ay - dy, az if converged else az - dz, converged
 
 
 @kernel
 def cayley(q, i, wx, wy, wz, h):
     """Turns orientation i of q by h s at the angular velocity w of the body frame, as the midpoint rule does: the
     angular momentum in the world then stays exactly as it is."""
-    x, y, z, w = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = turned_midpoint(q[i, 0], q[i, 1], q[i, 2], q[i, 3], wx, wy, wz, h)
+
+
+@inlined
+def turned_midpoint(x, y, z, w, wx, wy, wz, h):
+    """The same for a quaternion."""
     ax, ay, az = 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz
     nx, ny, nz = x + w * ax + y * az - z * ay, y + w * ay + z * ax - x * az, z + w * az + x * ay - y * ax
     nw = w - x * ax - y * ay - z * az
-    norm = 1.0 / (nx * nx + ny * ny + nz * nz + nw * nw) ** 0.5
-    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = nx * norm, ny * norm, nz * norm, nw * norm
+    norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
+    return nx * norm, ny * norm, nz * norm, nw * norm
 
 
 @kernel

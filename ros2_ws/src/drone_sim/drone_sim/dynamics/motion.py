@@ -73,7 +73,7 @@ def meet(held, count, pair, points, normal, anchor, head, row, position, orienta
 
 
 @kernel
-def semi_implicit_euler(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
+def semi_implicit_euler(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
                         friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
                         rough, springy, free, held, mark, start, shift, tensor, pressed_on, head, row, trial, substeps,
                         h):
@@ -87,6 +87,7 @@ def semi_implicit_euler(function, address, clock, awake, end, pair, points, norm
             head, row)
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
         bouncing = note(count, pair, points, head, row, velocity, angular, h)
         for k in range(1, 1 + awake[0]):
@@ -101,9 +102,9 @@ def semi_implicit_euler(function, address, clock, awake, end, pair, points, norm
 
 
 @kernel
-def midpoint(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
-             position, orientation, velocity, angular, force, torque, inverse_mass, inertia, rough, springy, free, held,
-             mark, start, shift, tensor, pressed_on, head, row, trial, substeps, h):
+def midpoint(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation,
+             impulse, friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
+             rough, springy, free, held, mark, start, shift, tensor, pressed_on, head, row, trial, substeps, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
     count = end[-1]
     if count > head.shape[0]:
@@ -114,6 +115,7 @@ def midpoint(function, address, clock, awake, end, pair, points, normal, anchor,
             head, row)
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
         bouncing = note(count, pair, points, head, row, velocity, angular, h)
         for k in range(1, 1 + held[0]):
@@ -172,11 +174,11 @@ SCHEMES = {"semi_implicit_euler": semi_implicit_euler, "midpoint": midpoint}
 class Motion:
     """The stage and its buffers."""
 
-    def __init__(self, scheme: str, setting: Setting, acting: Program, manifolds: Callable[[], Manifolds],
-                 substeps: int) -> None:
+    def __init__(self, scheme: str, setting: Setting, acting: Program, steering: Program,
+                 manifolds: Callable[[], Manifolds]) -> None:
         n = setting.model.bodies.count
-        self._setting, self._acting, self._manifolds = setting, acting, manifolds
-        self._kernel, self._substeps, self._h = SCHEMES[scheme], substeps, setting.dt / substeps
+        self._setting, self._acting, self._steering, self._manifolds = setting, acting, steering, manifolds
+        self._kernel, self._substeps, self._h = SCHEMES[scheme], setting.substeps, setting.dt / setting.substeps
         self._free, self._held = np.zeros((2, n + 1), np.int64)
         self._mark, self._pressed_on = np.zeros((2, n), np.bool_)
         self._start, self._shift, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 12, 6, 13))
@@ -198,7 +200,7 @@ class Motion:
     def _arguments(self) -> tuple[Any, ...]:
         s, bodies, forces, m = self._setting.state, self._setting.model.bodies, self._setting.forces, self._manifolds()
         functions: Integers = self._acting.function
-        return (functions, self._acting.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
+        return (functions, self._acting.row, self._steering.function, self._steering.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
                 m.separation, m.impulse, m.friction, m.total, s.position_w, s.orientation_w, s.velocity_w,
                 s.angular_velocity_w, forces.force_w, forces.torque_w, bodies.inverse_mass, bodies.inertia_b,
                 bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._shift,

@@ -30,6 +30,7 @@ EFFECTS = {  # in the order in which they act: first those that stir the air
     "linear_drag": "drone_sim.effects.linear_drag",
     "ground_effect": "drone_sim.effects.ground_effect",
     "water": "drone_sim.effects.water",
+    "motor_lag": "drone_sim.effects.motor_lag",
 }
 AIR = ("wind", "gusts", "downwash")  # those that stir the air, before anything asks how it moves
 THRUST = ("downwash", "ground_effect")  # those that need to know what each rotor pushes with
@@ -63,10 +64,12 @@ class Setting(NamedTuple):
 
 
 class Stages(NamedTuple):
-    """What an effect does: once a step, before all else; and for every instant at which forces are asked for."""
+    """What an effect does: once a step, before all else; for every instant at which forces are asked for; and at the
+    beginning of every sub-step, before forces are asked for."""
 
     step: tuple[Stage, ...] = ()
     force: tuple[Stage, ...] = ()
+    substep: tuple[Stage, ...] = ()
     idle: str = ""  # why there is nothing to do, where there is not
 
 

@@ -67,7 +67,7 @@ def explain(scene: Scene, console: Console) -> None:
         costs = measure(scene)
     console.print(stage_table(costs))
     console.print(f"{costs.real_time_factor:,.0f} times real time at {scene.rates.physics:g} steps per s, on one "
-                  "thread, without commands. Indented: asked for forces by motion, as often as the integrator wants.\n",
+                  "thread, without commands. Indented: run by motion, in its sub-steps.\n",
                   highlight=False)
     count = sum(map(len, costs.kernels.values()))
     console.print(f"[bold]{count} kernels compiled[/] for this scene", highlight=False)

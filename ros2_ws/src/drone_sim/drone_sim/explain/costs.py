@@ -64,8 +64,8 @@ def _steps_of_a_batch(world: World) -> int:
 
 def _stages(world: World) -> dict[str, Stage]:
     """The stages by the names that they have in reports."""
-    return ({f"motion: {stage.name}": stage for stage in world.acting.stages}
-            | {stage.name: stage for stage in world.program.stages})
+    inner = (*world.acting.stages, *world.steering.stages)
+    return {f"motion: {stage.name}": stage for stage in inner} | {stage.name: stage for stage in world.program.stages}
 
 
 def _name(kernel: object) -> str:

@@ -1,0 +1,115 @@
+"""A quadrotor's loops, from the wanted velocity to the rates of its rotors, and what these do to it.
+
+Cascade as in PX4 and Lee, Leok and McClamroch 2010 (Geometric Tracking Control of a Quadrotor UAV on SE(3)): a wanted
+acceleration gives the thrust and where the body's z axis is to point, the error of that axis the wanted body rates,
+and their error the torque. All functions take and return numbers and have no branches, so that many drones can be
+reckoned at once.
+"""
+
+import math
+
+from drone_sim.flight.pilot import limited
+from drone_sim.kernel import inlined
+from drone_sim.rotation import matrix
+
+LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
+TURN_RATE = 8.0  # rad/s of roll and pitch together, at most
+FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
+NOTHING = 1e-300
+
+
+@inlined
+def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, weight):
+    """The rates that the rotors are to have, rad/s. q, v, a: orientation, velocity and angular velocity in the world;
+    w: the wanted velocity, world; weight: to carry, m/s^2."""
+    m = matrix(qx, qy, qz, qw)
+    thrust, tx, ty, tz = loops(c, m, vx, vy, vz, m[0] * ax + m[3] * ay + m[6] * az,
+                               m[1] * ax + m[4] * ay + m[7] * az, m[2] * ax + m[5] * ay + m[8] * az,
+                               wx, wy, wz, yaw_rate, weight)
+    f0, f1, f2, f3 = mix(c, thrust, tx, ty, tz)
+    k = c.per_coefficient
+    return math.sqrt(k * f0), math.sqrt(k * f1), math.sqrt(k * f2), math.sqrt(k * f3)
+
+
+@inlined
+def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, weight):
+    """Thrust in N and torques in N m about the body's axes.
+
+    m: its rotation matrix, row by row; v, w: velocity and the wanted one, world; b: body rates; weight: m/s^2.
+    """
+    k = c.velocity_gain
+    ax, ay, az = limited(k * (wx - vx), k * (wy - vy), k * (wz - vz), c.max_acceleration)
+    fz = max(az + weight, LEAST_LIFT)
+    across, reach = math.sqrt(ax * ax + ay * ay), c.steepest * fz
+    scale = reach / across if across > reach else 1.0
+    fx, fy = ax * scale, ay * scale
+    thrust = c.mass * max(fx * m[2] + fy * m[5] + fz * m[8], 0.0)
+
+    # The body's z axis is to point along f: the rates are 2 tan(error / 2), in the plane of the two.
+    scale = 1.0 / math.sqrt(fx * fx + fy * fy + fz * fz)
+    ux, uy, uz = fx * scale, fy * scale, fz * scale
+    ex, ey, ez = m[5] * uz - m[8] * uy, m[8] * ux - m[2] * uz, m[2] * uy - m[5] * ux
+    near = 1.0 + m[2] * ux + m[5] * uy + m[8] * uz
+    scale = 2.0 * c.attitude_gain / max(near, FLAT)
+    rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if near > FLAT else TURN_RATE
+    ry = scale * (m[1] * ex + m[4] * ey + m[7] * ez) if near > FLAT else 0.0
+    fast = math.sqrt(rx * rx + ry * ry)
+    scale = TURN_RATE / fast if fast > TURN_RATE else 1.0
+    rx, ry, rz = rx * scale + yaw_rate * m[6], ry * scale + yaw_rate * m[7], yaw_rate * m[8]
+
+    # Torque for the wanted change of rates, and against the gyroscopic one.
+    return (thrust,
+            c.ix * c.rate_gain * (rx - bx) + (c.iz - c.iy) * by * bz,
+            c.iy * c.rate_gain * (ry - by) + (c.ix - c.iz) * bz * bx,
+            c.iz * c.yaw_gain * (rz - bz) + (c.iy - c.ix) * bx * by)
+
+
+@inlined
+def mix(c, thrust, tx, ty, tz):
+    """The four rotors' thrusts, N, each between c.least and c.most.
+
+    What is too much is given up in this order: yaw, then thrust, then roll and pitch.
+    """
+    q0, q1 = c.r0 * tx + c.p0 * ty, c.r1 * tx + c.p1 * ty
+    q2, q3 = c.r2 * tx + c.p2 * ty, c.r3 * tx + c.p3 * ty
+    spread = max(q0, q1, q2, q3) - min(q0, q1, q2, q3)
+    scale = min((c.most - c.least) / (spread + NOTHING), 1.0)
+    q0, q1, q2, q3 = q0 * scale, q1 * scale, q2 * scale, q3 * scale
+    low = max(c.e0 * (c.least - q0), c.e1 * (c.least - q1), c.e2 * (c.least - q2), c.e3 * (c.least - q3))
+    high = min(c.e0 * (c.most - q0), c.e1 * (c.most - q1), c.e2 * (c.most - q2), c.e3 * (c.most - q3))
+    thrust = min(max(thrust, low), high)
+    q0, q1, q2, q3 = q0 + c.t0 * thrust, q1 + c.t1 * thrust, q2 + c.t2 * thrust, q3 + c.t3 * thrust
+    y0, y1, y2, y3 = c.w0 * tz, c.w1 * tz, c.w2 * tz, c.w3 * tz
+    share = max(min(_room(c, q0, y0), _room(c, q1, y1), _room(c, q2, y2), _room(c, q3, y3), 1.0), 0.0)
+    return (min(max(q0 + share * y0, c.least), c.most), min(max(q1 + share * y1, c.least), c.most),
+            min(max(q2 + share * y2, c.least), c.most), min(max(q3 + share * y3, c.least), c.most))
+
+
+@inlined
+def _room(c, thrust, more):
+    """How many times a rotor can have `more` on top of its thrust."""
+    room = c.most - thrust if more > 0.0 else thrust - c.least
+    return room / (abs(more) + NOTHING)
+
+
+@inlined
+def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
+    """The rotors' thrusts at these rates (rad/s), N; their sum and its torque about the centre of mass, in the world."""
+    k, m = c.thrust_coefficient, matrix(qx, qy, qz, qw)
+    f0, f1, f2, f3 = k * n0 * n0, k * n1 * n1, k * n2 * n2, k * n3 * n3
+    total = f0 + f1 + f2 + f3
+    x = c.y0 * f0 + c.y1 * f1 + c.y2 * f2 + c.y3 * f3
+    y = -(c.x0 * f0 + c.x1 * f1 + c.x2 * f2 + c.x3 * f3)
+    z = -c.torque_ratio * (c.s0 * f0 + c.s1 * f1 + c.s2 * f2 + c.s3 * f3)
+    return (f0, f1, f2, f3, total * m[2], total * m[5], total * m[8],
+            m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
+
+
+@inlined
+def rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, dt):
+    """What flying across the rotors' axes costs, N in the world: -rate c v of each (Martin and Salaun 2010, The True
+    Role of Accelerometer Feedback in Quadrotor Control); no more than stops the drone in dt. v: through the air."""
+    m = matrix(qx, qy, qz, qw)
+    rate = min(c.rotor_drag * (n0 + n1 + n2 + n3), c.mass / dt)
+    along = vx * m[2] + vy * m[5] + vz * m[8]
+    return rate * (along * m[2] - vx), rate * (along * m[5] - vy), rate * (along * m[8] - vz)
