@@ -50,7 +50,7 @@ def turned(x, y, z, w, wx, wy, wz, h):
 
 @inlined
 def turned_little(x, y, z, w, wx, wy, wz, h):
-    """The same where the square of half the angle is at most LITTLE, by series (sin a / a and cos a), without branches."""
+    """The same where the square of half the angle is at most LITTLE, by series, without branches."""
     u = 0.25 * h * h * (wx * wx + wy * wy + wz * wz)
     s = 1.0 - u * (1 / 6 - u * (1 / 120 - u * (1 / 5040 - u * (1 / 362880 - u * (1 / 39916800)))))
     c = 1.0 - u * (1 / 2 - u * (1 / 24 - u * (1 / 720 - u * (1 / 40320 - u * (1 / 3628800 - u * (1 / 479001600))))))

@@ -6,8 +6,8 @@
     print(world.pose("user_drone"))
 """
 
-import math
 from collections.abc import Callable, Mapping
+from math import isfinite
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from drone_sim.scene import Scene
 from drone_sim.stage import Stage, in_python
 from drone_sim.state import State
 from drone_sim.timing import Laps, times
+
 
 @kernel
 def rest(awake, force, torque, air):
@@ -46,6 +47,7 @@ def tick(step):
     step[0] += 1
 
 
+LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
 
@@ -127,12 +129,14 @@ class World:
 
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
-        if not all(map(math.isfinite, command)):
+        x, y, z, turn = command
+        if not (isfinite(x) and isfinite(y) and isfinite(z) and isfinite(turn)):
             raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
-        if drone not in self._drone_of:
+        d = self._drone_of.get(drone)
+        if d is None:
             raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._drone_of) or 'none'}")
-        d = self._drone_of[drone]
-        self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
+        self.state.command_b[d] = (min(max(x, -LIMIT), LIMIT), min(max(y, -LIMIT), LIMIT), min(max(z, -LIMIT), LIMIT),
+                                   min(max(turn, -LIMIT), LIMIT))
         self.state.silence[d] = -1  # which the next step makes 0
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:

@@ -2,11 +2,40 @@
 
 import math
 
+import numpy as np
+
 from drone_sim.dynamics.integrators import NEWTON, converged_below, newton_midpoint, spun_euler, turned_midpoint
 from drone_sim.effects.motor_lag import followed, stopped
 from drone_sim.fleet.block import (
-    A, H, INVERSE_MASS, KEPT, LANES, LIMIT, MARK, NEXT, P, Q, Q_HALF, SPEED, SPIN, START, TOLD, TORQUE, V, V_HALF,
-    WANTED, WEIGHT, act, four, guide, put, put_four, three, turn,
+    INVERSE_MASS,
+    KEPT,
+    LANES,
+    LIMIT,
+    MARK,
+    NEXT,
+    Q_HALF,
+    SILENT,
+    SPEED,
+    SPIN,
+    START,
+    TOLD,
+    TORQUE,
+    V_HALF,
+    WANTED,
+    WEIGHT,
+    A,
+    COMMAND,
+    H,
+    P,
+    Q,
+    V,
+    act,
+    four,
+    guide,
+    put,
+    put_four,
+    three,
+    turn,
 )
 from drone_sim.flight.control import rates
 from drone_sim.flight.craft import craft
@@ -30,7 +59,8 @@ def steer(block, k, c, weight, lag, qx, qy, qz, qw, vx, vy, vz):
     put_four(block, START, k, s0, s1, s2, s3)
     put_four(block, SPEED, k, stopped(t0, followed(t0, s0, up, down)), stopped(t1, followed(t1, s1, up, down)),
              stopped(t2, followed(t2, s2, up, down)), stopped(t3, followed(t3, s3, up, down)))
-    return followed(t0, s0, 1.0, 1.0), followed(t1, s1, 1.0, 1.0), followed(t2, s2, 1.0, 1.0), followed(t3, s3, 1.0, 1.0)
+    return (followed(t0, s0, 1.0, 1.0), followed(t1, s1, 1.0, 1.0), followed(t2, s2, 1.0, 1.0),
+            followed(t3, s3, 1.0, 1.0))
 
 
 @kernel
@@ -78,7 +108,8 @@ def midpoint(block, n, number, lag, drag, rotors, sub):
         vx, vy, vz = three(block, V, k)
         n0, n1, n2, n3 = steer(block, k, c, weight, lag, qx, qy, qz, qw, vx, vy, vz)
         fx, fy, fz, _, _, _ = act(c, number, drag, rotors, qx, qy, qz, qw, vx, vy, vz, n0, n1, n2, n3)
-        put(block, V_HALF, k, vx + half * inverse_mass * fx, vy + half * inverse_mass * fy, vz + half * inverse_mass * fz)
+        put(block, V_HALF, k, vx + half * inverse_mass * fx, vy + half * inverse_mass * fy,
+            vz + half * inverse_mass * fz)
         ax, ay, az = three(block, A, k)
         wx, wy, wz = rotate(-qx, -qy, -qz, qw, ax, ay, az)
         put(block, SPIN, k, wx, wy, wz)
@@ -153,6 +184,18 @@ def advance(table, block, number, lag, drag, rotors, seen, second_order, substep
         for r in range(KEPT):
             for k in range(n):
                 table[r, first + k] = block[r * LANES + k]
+
+
+@kernel
+def tell(table, command, limit):
+    """Gives each drone its command, rows (n, 4), or all the only one (1, 4). False, and nothing, if one is not finite."""
+    if not np.isfinite(command).all():
+        return False
+    for k in range(table.shape[1]):
+        for c in range(4):
+            table[COMMAND + c, k] = min(max(command[k % command.shape[0], c], -limit), limit)
+        table[SILENT, k] = -1.0  # which the next step makes 0
+    return True
 
 
 @kernel

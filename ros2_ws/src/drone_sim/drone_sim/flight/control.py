@@ -8,10 +8,10 @@ reckoned at once.
 
 import math
 
-from drone_sim.flight.pilot import limited
 from drone_sim.kernel import inlined
 from drone_sim.rotation import matrix
 
+UPWARDS = 0.95  # of the acceleration that is allowed, which goes to height before all else; what is left, sideways
 LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
 TURN_RATE = 8.0  # rad/s of roll and pitch together, at most
 FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
@@ -37,12 +37,13 @@ def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, weight):
 
     m: its rotation matrix, row by row; v, w: velocity and the wanted one, world; b: body rates; weight: m/s^2.
     """
-    k = c.velocity_gain
-    ax, ay, az = limited(k * (wx - vx), k * (wy - vy), k * (wz - vz), c.max_acceleration)
+    k, most = c.velocity_gain, c.max_acceleration
+    az = min(max(k * (wz - vz), -UPWARDS * most), UPWARDS * most)
     fz = max(az + weight, LEAST_LIFT)
-    across, reach = math.sqrt(ax * ax + ay * ay), c.steepest * fz
+    fx, fy = k * (wx - vx), k * (wy - vy)
+    across, reach = math.sqrt(fx * fx + fy * fy), min(math.sqrt(most * most - az * az), c.steepest * fz)
     scale = reach / across if across > reach else 1.0
-    fx, fy = ax * scale, ay * scale
+    fx, fy = fx * scale, fy * scale
     thrust = c.mass * max(fx * m[2] + fy * m[5] + fz * m[8], 0.0)
 
     # The body's z axis is to point along f: the rates are 2 tan(error / 2), in the plane of the two.
@@ -94,7 +95,7 @@ def _room(c, thrust, more):
 
 @inlined
 def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
-    """The rotors' thrusts at these rates (rad/s), N; their sum and its torque about the centre of mass, in the world."""
+    """The rotors' thrusts at these rates (rad/s), N; their force and torque on the drone in the world."""
     k, m = c.thrust_coefficient, matrix(qx, qy, qz, qw)
     f0, f1, f2, f3 = k * n0 * n0, k * n1 * n1, k * n2 * n2, k * n3 * n3
     total = f0 + f1 + f2 + f3

@@ -99,8 +99,8 @@ def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...],
     least, most = (frame.thrust_coefficient * turn**2 for turn in (frame.min_rate, frame.max_rate))
     return np.array([mass, *inertia, frame.thrust_coefficient, frame.torque_ratio, frame.rotor_drag, least, most,
                      velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
-                     math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), 1.0 / frame.thrust_coefficient, *(1.0 / inertia),
-                     *(1.0 / shares[0])])
+                     math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), 1.0 / frame.thrust_coefficient,
+                     *(1.0 / inertia), *(1.0 / shares[0])])
 
 
 def hovering(row: Floats, weight: float) -> Floats:

@@ -13,7 +13,7 @@ from drone_sim.arrays import Floats
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.effects import Setting
 from drone_sim.kernel import inlined, kernel
-from drone_sim.stage import Stage, in_python
+from drone_sim.stage import Arguments, Stage
 
 SILENCE = 0.5  # s of simulated time after which a command is over
 STILL = 0.1  # m/s under which a drone counts as at rest
@@ -69,7 +69,7 @@ def guide(position, orientation, velocity, body, max_speed, max_yaw_rate, comman
 
 
 @kernel
-def land(velocity, body, command, silence, dt, count, pair, points, normal, total, landed):
+def land(velocity, body, command, silence, dt, end, pair, points, normal, total, landed):
     """Marks drones as landed that rest on something and are not told to leave it."""
     for d in range(body.shape[0]):
         i = body[d]
@@ -79,7 +79,7 @@ def land(velocity, body, command, silence, dt, count, pair, points, normal, tota
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
         if not staying or speed > STILL:
             continue
-        for c in range(count):
+        for c in range(end[-1]):
             up = normal[c, 2] if pair[c, 1] == i else -normal[c, 2]
             if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c, :points[c]].sum() > 0.0:
                 landed[d] = 1
@@ -88,17 +88,17 @@ def land(velocity, body, command, silence, dt, count, pair, points, normal, tota
 def build(setting: Setting, wanted: Floats) -> Stage:
     """Before all else of a step; wanted: (d, 4), to be written."""
     drones, s = setting.model.drones, setting.state
-    return Stage("commands", guide, (s.position_w, s.orientation_w, s.velocity_w, drones.body, drones.max_speed,
-                                     drones.max_yaw_rate, s.command_b, s.silence, s.hold_w, s.landed, setting.dt, wanted))
+    return Stage("pilot", guide, (s.position_w, s.orientation_w, s.velocity_w, drones.body, drones.max_speed,
+                                  drones.max_yaw_rate, s.command_b, s.silence, s.hold_w, s.landed, setting.dt, wanted))
 
 
 def build_landing(setting: Setting, manifolds: Callable[[], Manifolds]) -> Stage:
     """After the contacts: who has come to rest."""
     s, body = setting.state, setting.model.drones.body
 
-    def settle() -> None:
+    def arguments() -> Arguments:
         m = manifolds()
-        land(s.velocity_w, body, s.command_b, s.silence, setting.dt, m.count, m.pair, m.points, m.normal_w, m.total,
-             s.landed)
+        return (s.velocity_w, body, s.command_b, s.silence, setting.dt, m.end, m.pair, m.points, m.normal_w, m.total,
+                s.landed)
 
-    return in_python("landing", settle)
+    return Stage("landing", land, arguments)
