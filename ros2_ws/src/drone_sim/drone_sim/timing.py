@@ -100,11 +100,16 @@ class Laps:
 def times(step: Laps, within: str, nested: Sequence[Laps]) -> dict[str, float]:
     """us per step of each stage since last asked; the stage `within` is told without those nested in it, '<within>: '
     before their names."""
-    steps, spent = step.take()
+    steps, outer = step.take()
+    inner: dict[str, float] = {}
     for laps in nested:
-        passes, inner = laps.take()
-        spent[within] -= sum(inner.values()) + laps.readings(passes)
-        for name, us in inner.items():
-            told = f"{within}: {name}"
-            spent[told] = spent.get(told, 0.0) + us
-    return {name: max(us, 0.0) / steps for name, us in spent.items()} if steps else {}
+        passes, spent = laps.take()
+        outer[within] -= sum(spent.values()) + laps.readings(passes)
+        for name, us in spent.items():
+            inner[name] = inner.get(name, 0.0) + us
+    every: dict[str, float] = {}
+    for name, us in outer.items():
+        every[name] = us
+        if name == within:
+            every |= {f"{within}: {part}": us for part, us in inner.items()}
+    return {name: max(us, 0.0) / steps for name, us in every.items()} if steps else {}

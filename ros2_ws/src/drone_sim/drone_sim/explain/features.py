@@ -9,7 +9,7 @@ from drone_sim.model import LEVELS, MEETING
 from drone_sim.scene import Dynamics, Flight
 from drone_sim.world import World
 
-FEEL_THE_AIR = ("drag", "linear_drag", "ground_effect")
+FEEL_THE_AIR = ("drag", "linear_drag", "ground_effect", "rotor drag")  # stages
 FEW = 4  # names that are written out
 
 
@@ -28,8 +28,7 @@ def features(world: World) -> list[Feature]:
 
 
 def _effects(world: World) -> Iterator[Feature]:
-    stirred = any(name in world.effects for name in effects.AIR)
-    felt = any(name in world.effects for name in FEEL_THE_AIR)
+    felt = any(stage.name in FEEL_THE_AIR for stage in world.acting.stages)
     for name in effects.EFFECTS:
         if name not in world.effects:
             yield Feature("effects", name, False, "not named by the scene")
@@ -37,8 +36,8 @@ def _effects(world: World) -> Iterator[Feature]:
             yield Feature("effects", name, False, f"named by the scene, but {idle}")
         else:
             words = world.scene.effects[name]
-            why = ", ".join(f"{key} {value}" for key, value in words.items()) or "as published"
-            if name in effects.AIR and stirred and not felt:
+            why = ", ".join(f"{key} {value}" for key, value in words.items()) or "with its defaults"
+            if name in effects.AIR and not felt:
                 why += "; nothing feels the air: name drag or linear_drag"
             yield Feature("effects", name, True, why)
 

@@ -20,4 +20,5 @@ def build(setting: Setting, active: Mapping[str, Strict], path: Path) -> Stages:
         models.append(direct.build(setting, np.flatnonzero(~drones.quadrotor), wanted, carried))
     if drones.quadrotor.any():
         models.append(quadrotor.build(setting, np.flatnonzero(drones.quadrotor), wanted, active, carried, path))
-    return Stages(*(tuple(chain(*stages)) for stages in zip(*(each[:3] for each in models), strict=True)))
+    step, force, substep = (tuple(chain(*stages)) for stages in zip(*(each[:3] for each in models), strict=True))
+    return Stages(step, force, substep)
