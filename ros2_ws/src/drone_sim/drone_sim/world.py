@@ -6,8 +6,8 @@
     print(world.pose("user_drone"))
 """
 
+import math
 from collections.abc import Callable, Mapping
-from math import isfinite
 
 import numpy as np
 
@@ -65,7 +65,9 @@ class World:
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
-        self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
+        s, names = self.state, self.model.bodies.names
+        self._inputs = {names[i]: (memoryview(s.command_b[d]), memoryview(s.silence[d : d + 1]))
+                        for d, i in enumerate(self.model.drones.body)}  # by drone, which a number reaches fastest so
         self._build()
         self._start = self.state.copy()
 
@@ -130,14 +132,16 @@ class World:
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
         x, y, z, turn = command
-        if not (isfinite(x) and isfinite(y) and isfinite(z) and isfinite(turn)):
-            raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
-        d = self._drone_of.get(drone)
-        if d is None:
-            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._drone_of) or 'none'}")
-        self.state.command_b[d] = (min(max(x, -LIMIT), LIMIT), min(max(y, -LIMIT), LIMIT), min(max(z, -LIMIT), LIMIT),
-                                   min(max(turn, -LIMIT), LIMIT))
-        self.state.silence[d] = -1  # which the next step makes 0
+        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= turn <= LIMIT):
+            if not all(map(math.isfinite, command)):
+                raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
+            x, y, z, turn = (min(max(part, -LIMIT), LIMIT) for part in command)
+        inputs = self._inputs.get(drone)
+        if inputs is None:
+            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
+        told, silence = inputs
+        told[0], told[1], told[2], told[3] = x, y, z, turn
+        silence[0] = -1  # which the next step makes 0
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
         """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
