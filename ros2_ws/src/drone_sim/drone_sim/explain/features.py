@@ -73,6 +73,8 @@ def _dynamics(world: World) -> Iterator[Feature]:
         why = (f"{dynamics.substeps} sub-steps in each of {world.scene.rates.physics:g} steps per s" if used
                else f"the scene asks for {dynamics.integrator}")
         yield Feature("dynamics", scheme, used, why)
+    yield Feature("dynamics", "sleep", dynamics.sleep,
+                  "what rests is left out until it is touched" if dynamics.sleep else "the scene says sleep: false")
 
 
 def _picture(world: World) -> Iterator[Feature]:
