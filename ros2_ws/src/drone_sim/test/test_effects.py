@@ -8,7 +8,7 @@ import pytest
 
 from drone_sim.effects import ground_effect, water
 from drone_sim.effects.disks import disks
-from drone_sim.effects.submerged import MOST, submerged
+from drone_sim.effects.submerged import ROWS, submerged
 from drone_sim.rotation import matrix
 from drone_sim.world import World
 
@@ -114,20 +114,20 @@ def below(half: np.ndarray, turn: np.ndarray, height: float) -> tuple[float, flo
 
 def test_the_volume_under_water_is_exact_in_any_pose() -> None:
     rng = np.random.default_rng(4)
-    polygon = np.empty((MOST, 3))
+    scratch = np.empty((ROWS, 3))
     for _ in range(3000):
         half = rng.uniform(0.05, 1.0, 3)
         q = rng.normal(size=4)
         m = matrix(*(q / np.linalg.norm(q)))
         turn = np.array(m).reshape(3, 3)
-        height = rng.uniform(-1.2, 1.2) * np.abs(turn[2]) @ half
-        volume, *centroid = submerged(m, half, height, polygon)
+        height = rng.uniform(-1.2, 1.2) * float(np.abs(turn[2]) @ half)
+        volume, *centroid = submerged(m, half, height, scratch)
         wanted, moment = below(half, turn, height)
         whole = 8 * half.prod()
         assert volume == pytest.approx(wanted, abs=1e-9 * whole)
         assert volume * (height - centroid[2]) == pytest.approx(moment, abs=1e-9 * whole)
         over = (*m[:3], *(-x for x in m[3:]))  # turned over about x, so that what was above is below
-        above, *rest = submerged(over, half, -height, polygon)
+        above, *rest = submerged(over, half, -height, scratch)
         assert volume + above == pytest.approx(whole, rel=1e-12)
         balance = volume * np.array(centroid) + above * np.array(rest) * [1, -1, -1]
         np.testing.assert_allclose(balance, 0.0, atol=1e-12 * whole)
@@ -141,7 +141,7 @@ def test_the_volume_under_water_is_exact_in_any_pose() -> None:
     ((math.sin(math.pi / 8), 0, 0, math.cos(math.pi / 8)), 0.0, 0.096, None)])  # an edge below: half is half
 def test_the_volume_under_water_in_poses_without_general_position(
         q: tuple[float, ...], height: float, volume: float, centroid: tuple[float, ...] | None) -> None:
-    found, *middle = submerged(matrix(*q), np.array([0.4, 0.2, 0.3]), height, np.empty((MOST, 3)))
+    found, *middle = submerged(matrix(*q), np.array([0.4, 0.2, 0.3]), height, np.empty((ROWS, 3)))
     assert found == pytest.approx(volume, abs=1e-12)
     if centroid:
         np.testing.assert_allclose(middle, centroid, atol=1e-12)
@@ -199,7 +199,7 @@ def test_buoyancy_is_the_gradient_of_a_potential_in_any_pose() -> None:
     """Force and torque are what the potential energy of the water displaced falls by along small motions, so that
     rocking gains no energy."""
     rng = np.random.default_rng(8)
-    half, polygon, step = np.array([0.4, 0.25, 0.1]), np.empty((MOST, 3)), 1e-5
+    half, scratch, step = np.array([0.4, 0.25, 0.1]), np.empty((ROWS, 3)), 1e-5
 
     def potential(height: float, turn: np.ndarray) -> float:
         return 1000 * G * below(half, turn, -height)[1]
@@ -212,7 +212,7 @@ def test_buoyancy_is_the_gradient_of_a_potential_in_any_pose() -> None:
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
         water.float_up(np.array([1, 0]), np.array([[0.0, 0.0, height]]), q[None], np.zeros((1, 3)), np.zeros((1, 3)),
                        half[None], np.ones(1), np.ones((1, 3)), 0.0, 1000.0, G, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 1e-3,
-                       polygon, force, torque)
+                       scratch, force, torque)
         up = potential(height + step, turn) - potential(height - step, turn)
         assert force[0, 2] == pytest.approx(-up / (2 * step), abs=1e-2)
         for axis in range(2):

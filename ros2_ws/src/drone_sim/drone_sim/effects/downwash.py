@@ -22,6 +22,7 @@ from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
 from drone_sim.strict import Strict
 
+SLOPE = 1.0 / math.sqrt(math.log(2.0))  # of b over the half-width at half speed
 REACH = 3.0  # b, beyond which a jet is not felt: 1e-4 of its speed
 
 
@@ -34,7 +35,7 @@ class Parameters(Strict):
 @kernel
 def pressure(thrust, density, radius, spread, down, square):
     """Square of a jet's speed, m^2/s^2, `down` m below its rotor at the root of `square` m from its axis."""
-    b = max(radius, spread / math.sqrt(math.log(2.0)) * down)
+    b = max(radius, spread * SLOPE * down)
     if square > (REACH * b) ** 2:
         return 0.0
     return 2.0 * thrust / (density * math.pi * b * b) * math.exp(-2.0 * square / (b * b))
@@ -54,6 +55,17 @@ def aim(body, place, axis, thrust, position, orientation, jet):
 
 
 @kernel
+def _passes_by(position, i, ball, jet, r, radius, spread):
+    """Whether a jet cannot reach a ball around the body."""
+    x, y, z = position[i, 0] - jet[r, 0], position[i, 1] - jet[r, 1], position[i, 2] - jet[r, 2]
+    down = x * jet[r, 3] + y * jet[r, 4] + z * jet[r, 5]
+    if down <= -ball:
+        return True
+    reach = REACH * max(radius, spread * SLOPE * (down + ball)) + ball
+    return x * x + y * y + z * z - down * down > reach * reach
+
+
+@kernel
 def wash(awake, position, orientation, half, body, radius, thrust, jet, density, spread, air):
     """Adds the jets of r rotors to the air's velocity (n, 3) around all bodies but their own.
 
@@ -63,9 +75,10 @@ def wash(awake, position, orientation, half, body, radius, thrust, jet, density,
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        ball = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
         sx = sy = sz = 0.0
         for r in range(body.shape[0]):
-            if body[r] == i or jet[r, 6] == 0.0:
+            if body[r] == i or jet[r, 6] == 0.0 or _passes_by(position, i, ball, jet, r, radius[r], spread):
                 continue
             for corner in range(4):
                 u = point * half[i, 0] * (1.0 - 2.0 * (corner % 2))

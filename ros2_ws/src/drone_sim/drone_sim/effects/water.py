@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from drone_sim.effects import Setting, Stages, weight
-from drone_sim.effects.submerged import MOST, submerged
+from drone_sim.effects.submerged import ROWS, submerged
 from drone_sim.kernel import kernel
 from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
@@ -32,7 +32,7 @@ class Parameters(Strict):
 
 @kernel
 def float_up(awake, position, orientation, velocity, angular, half, mass, inertia, level, density, gravity, drag,
-             damping, added, cx, cy, cz, h, polygon, force, torque):
+             damping, added, cx, cy, cz, h, scratch, force, torque):
     """Adds buoyancy and drag to force and torque (n, 3). gravity: m/s^2; drag: C / 2; added: c; h: s of a sub-step."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
@@ -40,7 +40,7 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
         if position[i, 2] - ball >= level:
             continue
         m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        volume, px, py, pz = submerged(m, half[i], level - position[i, 2], polygon)
+        volume, px, py, pz = submerged(m, half[i], level - position[i, 2], scratch)
         if volume == 0.0:
             continue
         whole = 8.0 * half[i, 0] * half[i, 1] * half[i, 2]
@@ -81,4 +81,4 @@ def build(parameters: Parameters, setting: Setting) -> Stages:
     return Stages(force=(Stage("water", float_up, (
         s.awake, s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, b.half, b.mass, b.inertia_b,
         p.level, p.density, weight(setting.active), 0.5 * p.coefficient, p.damping, p.added_mass, *p.current, setting.h,
-        np.empty((MOST, 3)), forces.force_w, forces.torque_w)),))
+        np.empty((ROWS, 3)), forces.force_w, forces.torque_w)),))

@@ -14,7 +14,7 @@ from drone_sim.mesh import MeshError
 from drone_sim.scene import Scene, SceneError, load
 from drone_sim.world import World
 
-BAR = 20  # characters of a whole step
+BAR = 15  # characters of a whole step
 
 
 def as_json(scene: Scene, found: list[Feature], costs: Costs) -> str:

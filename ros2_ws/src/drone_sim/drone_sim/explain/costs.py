@@ -26,7 +26,7 @@ class Costs(NamedTuple):
     """Medians over batches of steps from the start of the scene, without commands."""
 
     stages: list[Cost]
-    step_us: float  # of a world without clock readings
+    step_us: float  # CPU time, of a world without clock readings
     real_time_factor: float
     kernels: dict[str, list[str]]  # all that was compiled for the stages, by module
 
@@ -41,15 +41,15 @@ def measure(scene: Scene) -> Costs:
     samples: list[dict[str, float]] = []
     timed.run(WARM_UP)
     timed.stage_times()
-    wall = []
+    spent = []
     for _ in range(BATCHES):
         timed.run(steps)
         samples.append(timed.stage_times())
-        before = time.perf_counter()
+        before = time.thread_time()
         plain.run(steps)
-        wall.append((time.perf_counter() - before) / steps)
+        spent.append((time.thread_time() - before) / steps)
     kernels = {name: stage.kernel for name, stage in _stages(plain).items()}
-    step = statistics.median(wall)
+    step = statistics.median(spent)
     return Costs(
         stages=[Cost(name, _name(kernels[name]), statistics.median(sample[name] for sample in samples))
                 for name in plain.stage_names()],
