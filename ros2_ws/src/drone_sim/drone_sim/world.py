@@ -16,11 +16,12 @@ from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.motion import Motion
+from drone_sim.dynamics.sleep import Sleep
 from drone_sim.flight import pilot, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
-from drone_sim.stage import Stage, in_python
+from drone_sim.stage import Stage
 from drone_sim.state import State
 from drone_sim.timing import Laps, times
 
@@ -47,6 +48,7 @@ def tick(step):
     step[0] += 1
 
 
+NOBODY = np.empty(0, np.int64)
 LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
@@ -66,7 +68,7 @@ class World:
         self.model = model.build(scene)
         self.state = State.of(self.model)
         s, names = self.state, self.model.bodies.names
-        self._inputs = {names[i]: (memoryview(s.command_b[d]), memoryview(s.silence[d : d + 1]))
+        self._inputs = {names[i]: (i, memoryview(s.command_b[d]), memoryview(s.silence[d : d + 1]))
                         for d, i in enumerate(self.model.drones.body)}  # by drone, which a number reaches fastest so
         self._build()
         self._start = self.state.copy()
@@ -81,7 +83,9 @@ class World:
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self._events = Events(self.detection)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
+        self._events = Events(lambda: self.detection.manifolds,
+                              lambda: self.sleep.touching if self.sleep else NOBODY)
 
         self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
         built = list(self.effects.items())
@@ -95,7 +99,7 @@ class World:
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
                              lambda: self.detection.manifolds)
-        self._after = [in_python("events", self._events)]
+        self._after = [self.sleep.falling_asleep] if self.sleep else []
         if flying:
             self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
@@ -105,7 +109,8 @@ class World:
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = self._put_together("step", [*self._before, *self.detection.stages, self.motion.stage,
+        waking = [self.sleep.waking] if self.sleep else []
+        self.program = self._put_together("step", [*self._before, *self.detection.stages, *waking, self.motion.stage,
                                                    *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
@@ -139,9 +144,11 @@ class World:
         inputs = self._inputs.get(drone)
         if inputs is None:
             raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
-        told, silence = inputs
+        body, told, silence = inputs
         told[0], told[1], told[2], told[3] = x, y, z, turn
         silence[0] = -1  # which the next step makes 0
+        if self.sleep and any(command) and self.detection.sleeping[body]:
+            self.sleep.wake(np.array([body]))
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
         """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
@@ -159,6 +166,8 @@ class World:
         if a == b != "":
             raise ValueError(f"b: expected another object than '{a}'")
         self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
+        if self.sleep:
+            self.sleep.wake(np.flatnonzero(self.model.bodies.movable))
         self.detection.prepare()
         self._assemble()
         self.compile()
@@ -167,7 +176,8 @@ class World:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
         self.detection.clear()
-        self._events.clear()
+        if self.sleep:
+            self.sleep.forget()
         if self.detection.levels.clear():
             self.detection.prepare()
             self._assemble()

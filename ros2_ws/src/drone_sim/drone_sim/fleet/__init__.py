@@ -65,7 +65,8 @@ class Fleet:
             raise ValueError(f"drone: no drone is called '{drone}'; there are {', '.join(drones) or 'none'}")
         self.scene, self.copies, self.dt, self.steps = scene, copies, first.dt, 0
         self.seeds = tuple(int(seed) for seed in chance)
-        self._drone = drones.index(drone) if drone else 0
+        self._name = drone or drones[0]
+        self._drone = drones.index(self._name)
         self._body = int(first.model.drones.body[self._drone])
         flown = first.model.drones.quadrotor
         self._place = int(flown[: self._drone].sum()) if flown[self._drone] else -1  # among the quadrotors
@@ -99,6 +100,8 @@ class Fleet:
             advance(self._table, self._block, *self._shared, steps)
         for k, world in enumerate(self.worlds):
             self._give(k, world)
+            if commands is not None:
+                world.command(self._name, tuple(self.state.command_b[k]))
             world.run(steps)
             self._take(world, k)
         self.steps += steps

@@ -17,8 +17,8 @@ LANES = 16  # drones of a block, which stays in the fastest cache with all its r
 P, Q, V, A, SPEED, ANGLE, COMMAND, SILENT, HOLD, KEPT = 0, 3, 7, 10, 13, 17, 21, 25, 26, 29
 # And of what is forgotten after a step: the wanted velocity and yaw rate; what the rotors are told, and their rates at
 # the beginning of a sub-step; orientation and velocity half a sub-step ahead; torque, angular velocity and the next
-# one in the body frame, and when that counts as found; squared angular velocity, or whether it is found.
-WANTED, TOLD, START, Q_HALF, V_HALF, TORQUE, SPIN, NEXT, LIMIT, MARK, ROWS = 29, 33, 37, 41, 45, 48, 51, 54, 57, 58, 59
+# one in the body frame; squared angular velocity, or 1 where the next is not found yet.
+WANTED, TOLD, START, Q_HALF, V_HALF, TORQUE, SPIN, NEXT, MARK, ROWS = 29, 33, 37, 41, 45, 48, 51, 54, 57, 58
 # Where the numbers stand that all drones share, after those of a Craft.
 (WEIGHT, H, DT, INVERSE_MASS, MAX_SPEED, MAX_YAW_RATE, HALF_X, HALF_Y, HALF_Z, SHARED) = range(SIZE, SIZE + 10)
 

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from drone_sim.dynamics.integrators import NEWTON, converged_below, newton_midpoint, spun_euler, turned_midpoint
+from drone_sim.dynamics.integrators import NEWTON, nearer, slow, spun_euler, spun_slow, turned_midpoint
 from drone_sim.effects.motor_lag import followed, stopped
 from drone_sim.fleet.block import (
+    COMMAND,
     INVERSE_MASS,
     KEPT,
     LANES,
-    LIMIT,
     MARK,
     NEXT,
     Q_HALF,
@@ -24,7 +24,6 @@ from drone_sim.fleet.block import (
     WANTED,
     WEIGHT,
     A,
-    COMMAND,
     H,
     P,
     Q,
@@ -113,8 +112,6 @@ def midpoint(block, n, number, lag, drag, rotors, sub):
         ax, ay, az = three(block, A, k)
         wx, wy, wz = rotate(-qx, -qy, -qz, qw, ax, ay, az)
         put(block, SPIN, k, wx, wy, wz)
-        put(block, NEXT, k, wx, wy, wz)
-        block[LIMIT * LANES + k] = converged_below(c.ix, c.iy, c.iz, wx, wy, wz)
         hx, hy, hz, hw = turned_midpoint(qx, qy, qz, qw, wx, wy, wz, half)
         put_four(block, Q_HALF, k, hx, hy, hz, hw)
     for k in range(n):
@@ -130,6 +127,12 @@ def midpoint(block, n, number, lag, drag, rotors, sub):
         fx, fy, fz, tx, ty, tz = act(c, number, drag, rotors, qx, qy, qz, qw, vx, vy, vz, n0, n1, n2, n3)
         tx, ty, tz = rotate(-qx, -qy, -qz, qw, tx, ty, tz)
         put(block, TORQUE, k, tx, ty, tz)
+        wx, wy, wz = three(block, SPIN, k)
+        bx, by, bz = spun_slow(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h)
+        found = slow(wx, wy, wz, h)
+        put(block, NEXT, k, bx if found else wx + h / c.ix * tx, by if found else wy + h / c.iy * ty,
+            bz if found else wz + h / c.iz * tz)
+        block[MARK * LANES + k] = 0.0 if found else 1.0
         ox, oy, oz = three(block, V, k)
         vx, vy, vz = ox + h * inverse_mass * fx, oy + h * inverse_mass * fy, oz + h * inverse_mass * fz
         put(block, V, k, vx, vy, vz)
@@ -138,17 +141,17 @@ def midpoint(block, n, number, lag, drag, rotors, sub):
     for _ in range(NEWTON):
         missing = 0.0
         for k in range(n):
-            wx, wy, wz = three(block, SPIN, k)
-            bx, by, bz = three(block, NEXT, k)
-            tx, ty, tz = three(block, TORQUE, k)
-            bx, by, bz, converged = newton_midpoint(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h, bx, by, bz,
-                                                    block[LIMIT * LANES + k])
-            put(block, NEXT, k, bx, by, bz)
-            block[MARK * LANES + k] = 0.0 if converged else 1.0
-        for k in range(n):
             missing += block[MARK * LANES + k]
         if missing == 0.0:
             break
+        for k in range(n):
+            wx, wy, wz = three(block, SPIN, k)
+            bx, by, bz = three(block, NEXT, k)
+            tx, ty, tz = three(block, TORQUE, k)
+            x, y, z, found = nearer(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h, bx, by, bz)
+            found |= block[MARK * LANES + k] == 0.0
+            put(block, NEXT, k, bx if found else x, by if found else y, bz if found else z)
+            block[MARK * LANES + k] = 0.0 if found else 1.0
     for k in range(n):
         qx, qy, qz, qw = four(block, Q, k)
         wx, wy, wz = three(block, SPIN, k)
@@ -188,7 +191,7 @@ def advance(table, block, number, lag, drag, rotors, seen, second_order, substep
 
 @kernel
 def tell(table, command, limit):
-    """Gives each drone its command, rows (n, 4), or all the only one (1, 4). False, and nothing, if one is not finite."""
+    """Gives each drone its command, row of (n, 4), or all the one of (1, 4); False, and none, if one is not finite."""
     if not np.isfinite(command).all():
         return False
     for k in range(table.shape[1]):

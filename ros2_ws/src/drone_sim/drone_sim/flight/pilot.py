@@ -81,8 +81,10 @@ def land(velocity, body, command, silence, dt, end, pair, points, normal, total,
             continue
         for c in range(end[-1]):
             up = normal[c, 2] if pair[c, 1] == i else -normal[c, 2]
-            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c, :points[c]].sum() > 0.0:
-                landed[d] = 1
+            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7:
+                for k in range(points[c]):
+                    if total[c, k] > 0.0:
+                        landed[d] = 1
 
 
 def build(setting: Setting, wanted: Floats) -> Stage:
