@@ -109,7 +109,7 @@ def test_costs_name_stages_and_kernels(scene: Callable[..., Scene], monkeypatch:
 
 def test_kernels_are_found_through_those_that_call_them(world: Make) -> None:
     there = compiled(world(CRATE, "effects: {gravity: {}, water: {}}"))
-    assert {"submerged", "_cut", "_corner"} <= set(there["effects.submerged"])
+    assert {"submerged", "_cut_off", "_cut"} <= set(there["effects.submerged"])
 
 
 def test_it_prints_for_people_and_for_programs(
