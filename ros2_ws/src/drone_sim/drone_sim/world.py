@@ -83,7 +83,6 @@ class World:
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
         self._events = Events(lambda: self.detection.manifolds,
                               lambda: self.sleep.touching if self.sleep else NOBODY)
 
@@ -99,8 +98,11 @@ class World:
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
                              lambda: self.detection.manifolds)
+        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
+        calm = not self._alone and not any(name in effects.UNSTEADY for name in active)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and calm else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []
-        if flying:
+        if flying and not self._alone:
             self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
             self._after += rotors.build(setting)
@@ -109,9 +111,9 @@ class World:
 
     def _assemble(self) -> None:
         """Puts the stages together."""
+        detection = [] if self._alone else self.detection.stages
         waking = [self.sleep.waking] if self.sleep else []
-        self.program = self._put_together("step", [*self._before, *self.detection.stages, *waking, self.motion.stage,
-                                                   *self._after])
+        self.program = self._put_together("step", [*self._before, *detection, *waking, self.motion.stage, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False

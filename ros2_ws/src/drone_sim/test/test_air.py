@@ -12,6 +12,7 @@ from drone_sim.scene import SceneError
 from drone_sim.world import World
 
 Make = Callable[..., World]
+G = 9.80665
 CRATE = "crate: {model: crate, mass: 2, pose: [0, 0, 6]}"
 
 
@@ -170,6 +171,23 @@ def test_downwash_weighs_on_a_crazyflie_as_measured() -> None:
         square = downwash.pressure(0.027 * 9.81, 1.225, 0.0231, 0.094, z, 0.0)
         force = 0.5 * 1.225 * 1.2 * 0.092**2 * square
         assert force == pytest.approx(2267.18 * (0.0231348 / (4 * z)) ** 2, rel=0.3)
+
+
+@pytest.mark.parametrize("model", ["direct", "quadrotor"])
+def test_a_drone_above_blows_a_crate_down(world: Make, model: str) -> None:
+    """Momentum theory, at the very first instant: the rotors carry the drone, and their jets have that thrust."""
+    places = [(0.2, -0.2, 1), (0.2, 0.2, -1), (-0.2, 0.2, 1), (-0.2, -0.2, -1)]
+    rotors = "".join(f"r{k}: {{model: rotor, parent: drone, pose: [{x}, {y}, 0], rotor: {{direction: {turn}}}}}\n"
+                     for k, (x, y, turn) in enumerate(places))
+    blown = world(f"drone: {{model: drone, mass: 1.4, pose: [0, 0, 12], flight: {{model: {model}}}}}\n" + rotors
+                  + "crate: {model: crate, mass: 50, pose: [0, 0, 2]}",
+                  "rates: {physics: 1000}\neffects: {gravity: {}, drag: {}, downwash: {}}")
+    blown.step()
+    b = 0.094 * (12.0 - 2.3) / math.sqrt(math.log(2.0))
+    square = 2 * 1.4 * G / (1.225 * math.pi * b * b)  # of the speed of one jet of all four, in its middle
+    extent = sum(0.5 * math.exp(-2 * (0.3 / math.sqrt(3) + side) ** 2 / b**2) for side in (-0.2, 0.2)) ** 2
+    acceleration = -blown.state.velocity_w[1, 2] / blown.dt - G
+    assert acceleration == pytest.approx(0.5 * 1.225 * 0.36 * square * extent / 50, rel=0.01)
 
 
 def test_jets_blow_on_what_is_below_and_on_nothing_else() -> None:

@@ -15,6 +15,8 @@ from drone_sim.world import World
 Make = Callable[..., World]
 G = 9.80665
 CRATE = "crate: {model: crate, mass: %g, pose: [0, 0, %g]}"  # a cube of 0.6 m that stands on its origin
+FOUR = "".join(f"r{k}: {{model: rotor, parent: drone, pose: [{x}, {y}, 0], rotor: {{direction: {turn}}}}}\n"
+               for k, (x, y, turn) in enumerate([(0.2, -0.2, 1), (0.2, 0.2, -1), (-0.2, 0.2, 1), (-0.2, -0.2, -1)]))
 DRONE = ("drone: {model: drone, mass: 1.4, pose: [0, 0, 1], flight: {}}\n"
          "rotor: {model: rotor, parent: drone, pose: [0.2, 0.1, 0.05], rotor: {direction: 1}}\n")
 FLOOR = "floor: {model: floor, static: true, collision: {level: floor}}\n"
@@ -85,6 +87,18 @@ def test_each_rotor_gains_over_the_floor_below_it() -> None:
     np.testing.assert_array_equal(lifted(0.05, roll=math.pi)[0], 0.0)
     tilted = lifted(0.05, roll=0.3)[0]
     assert tilted[1] < 0.0 < tilted[2] and tilted[2] / -tilted[1] == pytest.approx(1 / math.tan(0.3))
+
+
+def test_a_quadrotor_hovers_close_to_the_ground_with_less(world: Make) -> None:
+    """Its rotors push with more than their rates say, so they turn slower."""
+    hover = world(FLOOR + "drone: {model: drone, mass: 1.4, pose: [0, 0, 0.1], flight: {model: quadrotor}}\n" + FOUR,
+                  "effects: {gravity: {}, ground_effect: {}}")
+    run(hover, 10.0)
+    height = hover.pose("drone")[2]
+    assert 0.09 < height < 0.25
+    ratio = 1.0 + ground_effect.gain(0.1, height, 0.0, 1.0)
+    wanted = math.sqrt(1.4 * G / (4 * 8.54858e-06 * ratio))
+    np.testing.assert_allclose(np.abs(hover.state.rotor_rate), wanted, rtol=1e-3)
 
 
 def test_disks_are_where_the_rotors_are_and_as_large(world: Make) -> None:

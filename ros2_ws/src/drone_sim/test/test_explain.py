@@ -56,6 +56,9 @@ def test_flight_and_collision_are_explained(world: Make) -> None:
     euler = told(world(CRATE, "dynamics: {integrator: semi_implicit_euler}"))
     assert euler["dynamics", "semi_implicit_euler"][0]
     assert euler["dynamics", "midpoint"] == (False, "the scene asks for semi_implicit_euler")
+    assert bare["dynamics", "sleep"] == (True, "what rests is left out until it is touched")
+    assert told(world(CRATE, "dynamics: {sleep: false}"))["dynamics", "sleep"] == (False, "the scene says sleep: false")
+    assert told(world(CRATE, "effects: {gusts: {}}"))["dynamics", "sleep"] == (False, "gusts may move what rests")
     assert bare["picture", "water"] == (False, "not named by the scene")
 
 

@@ -104,11 +104,18 @@ def test_it_does_something_where_it_is_named(world: Make, name: str) -> None:
 
 @pytest.mark.parametrize("name", NOTHING, indirect=True)
 def test_too_weak_to_act_it_equals_its_absence(world: Make, name: str) -> None:
-    others = [other for other in ("drag", "gravity") if other != name]
-    weak = world(BUSY, f"effects: {{{name}: {NOTHING[name]}, {', '.join(f'{other}: {{}}' for other in others)}}}")
-    absent = world(BUSY, named(*others).replace("seed: 5\n", ""))
+    others = ", ".join(f"{other}: {{}}" for other in ("gravity", "drag") if other != name)
+    head = f"seed: 5\ndynamics: {{sleep: false}}\neffects: {{{others}"
+    weak, absent = world(BUSY, f"{head}, {name}: {NOTHING[name]}}}"), world(BUSY, f"{head}}}")
     weak.state.memory.pop(name, None)  # what it remembers is all that may differ
     assert flown(weak) == flown(absent)
+
+
+def test_a_reset_is_a_fresh_start_with_all_of_them(world: Make) -> None:
+    again = world(BUSY, named(*effects.EFFECTS))
+    first = flown(again)
+    again.reset()
+    assert flown(again) == first
 
 
 def test_a_fresh_program_imports_no_effect_that_the_scene_does_not_name(world: Make) -> None:

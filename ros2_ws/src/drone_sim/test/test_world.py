@@ -51,10 +51,11 @@ def test_stages_are_what_the_scene_calls_for(world: Make) -> None:
     def stages(objects: str, rest: str) -> list[str]:
         return world(objects, rest).stage_names()
 
-    crate, awake = "crate: {model: crate, mass: 1}", "dynamics: {sleep: false}\n"
+    crates, awake = "crate: {model: crate, mass: 1, poses: [[0, 0, 0], [2, 0, 0]]}", "dynamics: {sleep: false}\n"
+    assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: rest", "clock"]
     found = ["keep", "broad phase", "contacts", "impacts", "warm start"]
-    assert stages(crate, awake + "effects: {}") == [*found, "motion", "motion: rest", "clock"]
-    assert stages(crate, "effects: {drag: {}, gravity: {}}") == [
+    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: rest", "clock"]
+    assert stages(crates, "effects: {drag: {}, gravity: {}}") == [
         *found, "waking", "motion", "motion: rest", "motion: gravity", "motion: drag", "sleep", "clock"]
     assert stages(BUSY, awake + "effects: {}") == [
         "commands", "pilot", "direct", *found, "motion", "motion: rest", "motion: flight", "landing", "rotors", "clock"]

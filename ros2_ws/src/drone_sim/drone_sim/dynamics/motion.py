@@ -122,17 +122,20 @@ def semi_implicit_euler(function, address, steer, steer_address, clock, awake, e
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
-                   table)
-    if groups < 0:
-        return groups
-    load(held, velocity, angular, moving)
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit,
+                       body, table)
+        if groups < 0:
+            return groups
+        load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(steer, steer_address)
         run_once(function, address)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + awake[0]):
             push_euler(awake[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         for k in range(1, 1 + free[0]):
@@ -140,7 +143,8 @@ def semi_implicit_euler(function, address, steer, steer_address, clock, awake, e
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
                  gathered, bouncing, h, False)
-    take_back(groups, unit, points, table, impulse, friction, total)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
@@ -154,17 +158,20 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
-                   table)
-    if groups < 0:
-        return groups
-    load(held, velocity, angular, moving)
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit,
+                       body, table)
+        if groups < 0:
+            return groups
+        load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(steer, steer_address)
         run_once(function, address)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
@@ -193,7 +200,8 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
                 bx, by, bz = spun_midpoint(inertia[i, 0], inertia[i, 1], inertia[i, 2], ax, ay, az, tx, ty, tz, h)
                 cayley(orientation, i, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
                 angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, bx, by, bz)
-    take_back(groups, unit, points, table, impulse, friction, total)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 

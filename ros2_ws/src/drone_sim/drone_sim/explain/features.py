@@ -53,6 +53,7 @@ def _flight(world: World) -> Iterator[Feature]:
 
 
 def _collision(world: World) -> Iterator[Feature]:
+    """As the levels say; where nothing can touch anything, there is no detection at all."""
     levels, bodies = world.detection.levels, world.model.bodies
     for level in MEETING:
         used = levels.uses(LEVELS[level])
@@ -73,8 +74,11 @@ def _dynamics(world: World) -> Iterator[Feature]:
         why = (f"{dynamics.substeps} sub-steps in each of {world.scene.rates.physics:g} steps per s" if used
                else f"the scene asks for {dynamics.integrator}")
         yield Feature("dynamics", scheme, used, why)
-    yield Feature("dynamics", "sleep", dynamics.sleep,
-                  "what rests is left out until it is touched" if dynamics.sleep else "the scene says sleep: false")
+    unsteady = [name for name in effects.UNSTEADY if name in world.effects]
+    why = ("what rests is left out until it is touched" if world.sleep else
+           "the scene says sleep: false" if not dynamics.sleep else
+           f"{' and '.join(unsteady)} may move what rests" if unsteady else "nothing can touch anything")
+    yield Feature("dynamics", "sleep", world.sleep is not None, why)
 
 
 def _picture(world: World) -> Iterator[Feature]:
