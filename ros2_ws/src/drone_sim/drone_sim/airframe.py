@@ -23,6 +23,7 @@ class Gains(Strict):
     attitude: Gain = 8.0
     rate: Gain = 20.0  # of roll and pitch
     yaw_rate: Gain = 5.0
+    disturbance: Annotated[float, Field(ge=0.0, le=100.0)] = 3.0  # how fast what pushes it is found out
 
 
 class Airframe(Strict):

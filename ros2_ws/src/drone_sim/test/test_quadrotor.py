@@ -181,6 +181,14 @@ def test_the_dead_man_stops_it_and_it_holds(world: Make) -> None:
     assert np.abs(fly(flight, 0.1)).max() < 0.001
 
 
+def test_what_pushes_it_is_found_out_and_met(world: Make) -> None:
+    """Without that, a steady drag of 1 m/s^2 would leave an error of 1/3 m/s, and wind move the place that is held."""
+    dragged = world(DRONE, "effects: {gravity: {}, drag: {}, motor_lag: {}}")
+    np.testing.assert_allclose(fly(dragged, 6.0, (4.0, 0.0, 0.0, 0.0))[-1], [4, 0, 0], atol=0.02)
+    stubborn = DRONE.replace("model: quadrotor", "model: quadrotor, quadrotor: {gains: {disturbance: 0}}")
+    assert fly(world(stubborn, "effects: {gravity: {}, drag: {}}"), 6.0, (4.0, 0.0, 0.0, 0.0))[-1, 0] < 3.8
+
+
 def test_it_lands_stops_its_rotors_and_takes_off_again(world: Make) -> None:
     flight = world(FLOOR + DRONE, LAG)
     fly(flight, 4.0, (0.0, 0.0, -0.8, 0.0))
@@ -260,7 +268,9 @@ def test_the_rotors_drag_is_what_their_rates_and_speed_make_it(world: Make) -> N
                                -8.06428e-5 * 2460.0 * np.array([3.0, -2.0, 0.0]), rtol=1e-12)
     np.testing.assert_allclose(slowed(c, 600.0, 600.0, 600.0, 600.0, 3.0, 0.0, 0.0, 100.0)[0], -1.5 * 3.0 / 100.0)
     through_air = world(DRONE.replace("model: quadrotor", "model: quadrotor, quadrotor: {rotor_drag: 8.06428e-5}"), LAG)
-    assert 3.0 < fly(through_air, 5.0, (4.0, 0.0, 0.0, 0.0))[-1, 0] < 3.95
+    flown = fly(through_air, 5.0, (4.0, 0.0, 0.0, 0.0))[-1, 0]
+    push = through_air.state.memory["expected_velocity_and_push"][0, 3]
+    assert push == pytest.approx(-8.06428e-5 * turned(through_air).sum() * flown / 1.4, rel=0.05)
     assert "rotor drag" not in [stage.name for stage in world(DRONE, LAG).acting.stages]
 
 

@@ -16,8 +16,9 @@ from drone_sim.arrays import Floats
 from drone_sim.effects.drag import Parameters as Drag
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.effects.motor_lag import Parameters as MotorLag
-from drone_sim.fleet.block import ANGLE, COMMAND, HOLD, KEPT, LANES, ROWS, SILENT, SPEED, A, P, Q, V
+from drone_sim.fleet.block import ANGLE, COMMAND, EXPECTED, HOLD, KEPT, LANES, ROWS, SILENT, SPEED, A, P, Q, V
 from drone_sim.fleet.schemes import advance, left_over, tell
+from drone_sim.flight.quadrotor import EXPECTED as VELOCITY_AND_PUSH
 from drone_sim.flight.quadrotor import SPEED as ROTOR_SPEED
 from drone_sim.flight.quadrotor import rotors_of, row_of
 from drone_sim.scene import Scene
@@ -39,6 +40,7 @@ class FleetState(NamedTuple):
     command_b: Floats  # (n, 4) m/s, m/s, m/s, rad/s: the last one given
     silence: Floats  # (n,) steps since a command was given
     hold_w: Floats  # (n, 3) m, where a drone without commands stays; NaN while it is not there yet
+    expected_velocity_and_push: Floats  # (n, 6) m/s and m/s^2, of quadrotors, as their loops have it; NaN: not yet
 
 
 class Fleet:
@@ -85,7 +87,8 @@ class Fleet:
         self._start = self._table.copy()
         t = self._table
         self.state = FleetState(t[P : P + 3].T, t[Q : Q + 4].T, t[V : V + 3].T, t[A : A + 3].T, t[SPEED : SPEED + 4].T,
-                                t[ANGLE : ANGLE + 4].T, t[COMMAND : COMMAND + 4].T, t[SILENT], t[HOLD : HOLD + 3].T)
+                                t[ANGLE : ANGLE + 4].T, t[COMMAND : COMMAND + 4].T, t[SILENT], t[HOLD : HOLD + 3].T,
+                                t[EXPECTED : EXPECTED + 6].T)
 
     def run(self, steps: int, commands: ArrayLike | None = None) -> None:
         """Many steps. commands: (n, 4) or one for all (4,), given before the first; none: silence goes on.
@@ -137,6 +140,7 @@ class Fleet:
         s.silence[d] = column[SILENT]
         if self._place >= 0:
             s.memory[ROTOR_SPEED][self._place] = column[SPEED : SPEED + 4]
+            s.memory[VELOCITY_AND_PUSH][self._place] = column[EXPECTED : EXPECTED + 6]
         if self._rotors[0] >= 0:
             s.rotor_angle[self._rotors] = column[ANGLE : ANGLE + 4]
 
@@ -147,7 +151,9 @@ class Fleet:
         column[V : V + 3], column[A : A + 3] = s.velocity_w[i], s.angular_velocity_w[i]
         column[COMMAND : COMMAND + 4], column[HOLD : HOLD + 3] = s.command_b[d], s.hold_w[d]
         column[SILENT] = s.silence[d]
-        column[SPEED : SPEED + 4] = s.memory[ROTOR_SPEED][self._place] if self._place >= 0 else 0.0
+        flown = self._place >= 0
+        column[SPEED : SPEED + 4] = s.memory[ROTOR_SPEED][self._place] if flown else 0.0
+        column[EXPECTED : EXPECTED + 6] = s.memory[VELOCITY_AND_PUSH][self._place] if flown else np.nan
         column[ANGLE : ANGLE + 4] = s.rotor_angle[self._rotors] if self._rotors[0] >= 0 else 0.0
 
 

@@ -13,12 +13,12 @@ from drone_sim.kernel import inlined, kernel
 
 LANES = 16  # drones of a block, which stays in the fastest cache with all its rows
 # First rows of what is kept: position, orientation, velocity, angular velocity, the rotors' rates and angles, the
-# command, steps since it came, and where the drone holds.
-P, Q, V, A, SPEED, ANGLE, COMMAND, SILENT, HOLD, KEPT = 0, 3, 7, 10, 13, 17, 21, 25, 26, 29
+# command, steps since it came, where the drone holds, and the velocity and push that it expects.
+P, Q, V, A, SPEED, ANGLE, COMMAND, SILENT, HOLD, EXPECTED, PUSH, KEPT = 0, 3, 7, 10, 13, 17, 21, 25, 26, 29, 32, 35
 # And of what is forgotten after a step: the wanted velocity and yaw rate; what the rotors are told, and their rates at
 # the beginning of a sub-step; orientation and velocity half a sub-step ahead; torque, angular velocity and the next
 # one in the body frame; squared angular velocity, or 1 where the next is not found yet.
-WANTED, TOLD, START, Q_HALF, V_HALF, TORQUE, SPIN, NEXT, MARK, ROWS = 29, 33, 37, 41, 45, 48, 51, 54, 57, 58
+WANTED, TOLD, START, Q_HALF, V_HALF, TORQUE, SPIN, NEXT, MARK, ROWS = 35, 39, 43, 47, 51, 54, 57, 60, 63, 64
 # Where the numbers stand that all drones share, after those of a Craft.
 (WEIGHT, H, DT, INVERSE_MASS, MAX_SPEED, MAX_YAW_RATE, HALF_X, HALF_Y, HALF_Z, SHARED) = range(SIZE, SIZE + 10)
 

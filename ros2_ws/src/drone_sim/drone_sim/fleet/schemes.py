@@ -8,11 +8,13 @@ from drone_sim.dynamics.integrators import NEWTON, nearer, slow, spun_euler, spu
 from drone_sim.effects.motor_lag import followed, stopped
 from drone_sim.fleet.block import (
     COMMAND,
+    EXPECTED,
     INVERSE_MASS,
     KEPT,
     LANES,
     MARK,
     NEXT,
+    PUSH,
     Q_HALF,
     SILENT,
     SPEED,
@@ -48,7 +50,12 @@ def steer(block, k, c, weight, lag, qx, qy, qz, qw, vx, vy, vz):
     beginning. lag: (substeps + 1, 2) as `advance` has it, or None."""
     ax, ay, az = three(block, A, k)
     wx, wy, wz, yaw_rate = four(block, WANTED, k)
-    t0, t1, t2, t3 = rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, weight)
+    ex, ey, ez = three(block, EXPECTED, k)
+    px, py, pz = three(block, PUSH, k)
+    t0, t1, t2, t3, ex, ey, ez, px, py, pz = rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate,
+                                                   ex, ey, ez, px, py, pz, weight)
+    put(block, EXPECTED, k, ex, ey, ez)
+    put(block, PUSH, k, px, py, pz)
     if lag is None:
         put_four(block, SPEED, k, t0, t1, t2, t3)
         return t0, t1, t2, t3

@@ -15,33 +15,50 @@ UPWARDS = 0.95  # of the acceleration that is allowed, which goes to height befo
 LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
 TURN_RATE = 8.0  # rad/s of roll and pitch together, at most
 FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
+STARTLED = 2.0  # m/s from one control to the next that are no push, but a collision or another place
 NOTHING = 1e-300
 
 
 @inlined
-def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, weight):
-    """The rates that the rotors are to have, rad/s. q, v, a: orientation, velocity and angular velocity in the world;
-    w: the wanted velocity, world; weight: to carry, m/s^2."""
+def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, ex, ey, ez, px, py, pz, weight):
+    """The rates that the rotors are to have, rad/s, and e and p for the next time. q, v, a: orientation, velocity and
+    angular velocity in the world; w: the wanted velocity; e: the one expected, p: what pushes the drone beside rotors
+    and weight, m/s^2, all world; weight: to carry, m/s^2."""
     m = matrix(qx, qy, qz, qw)
+    ex, ey, ez = vx - ex, vy - ey, vz - ez
+    lost = not ex * ex + ey * ey + ez * ez < STARTLED * STARTLED
+    px, py, pz = 0.0 if lost else px, 0.0 if lost else py, 0.0 if lost else pz
+    ex, ey, ez = 0.0 if lost else ex, 0.0 if lost else ey, 0.0 if lost else ez
     thrust, tx, ty, tz = loops(c, m, vx, vy, vz, m[0] * ax + m[3] * ay + m[6] * az,
                                m[1] * ax + m[4] * ay + m[7] * az, m[2] * ax + m[5] * ay + m[8] * az,
-                               wx, wy, wz, yaw_rate, weight)
+                               wx, wy, wz, yaw_rate, px, py, pz, weight)
     f0, f1, f2, f3 = mix(c, thrust, tx, ty, tz)
+
+    # An observer of the velocity: where it differs from what thrust and weight explain, something pushes.
+    lifted = c.per_mass * (f0 + f1 + f2 + f3)
+    k, u = c.h, c.watch_velocity
+    nx = vx - ex + k * (lifted * m[2] + px) + u * ex
+    ny = vy - ey + k * (lifted * m[5] + py) + u * ey
+    nz = vz - ez + k * (lifted * m[8] - weight + pz) + u * ez
+    k, u = c.watch_push, c.most_push
+    px, py, pz = (min(max(px + k * ex, -u), u), min(max(py + k * ey, -u), u), min(max(pz + k * ez, -u), u))
     k = c.per_coefficient
-    return math.sqrt(k * f0), math.sqrt(k * f1), math.sqrt(k * f2), math.sqrt(k * f3)
+    return math.sqrt(k * f0), math.sqrt(k * f1), math.sqrt(k * f2), math.sqrt(k * f3), nx, ny, nz, px, py, pz
 
 
 @inlined
-def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, weight):
+def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, px, py, pz, weight):
     """Thrust in N and torques in N m about the body's axes.
 
-    m: its rotation matrix, row by row; v, w: velocity and the wanted one, world; b: body rates; weight: m/s^2.
+    m: its rotation matrix, row by row; v, w: velocity and the wanted one, world; b: body rates; p: what pushes it,
+    weight: to carry, both m/s^2.
     """
     k, most = c.velocity_gain, c.max_acceleration
-    az = min(max(k * (wz - vz), -UPWARDS * most), UPWARDS * most)
-    fz = max(az + weight, LEAST_LIFT)
-    fx, fy = k * (wx - vx), k * (wy - vy)
-    across, reach = math.sqrt(fx * fx + fy * fy), min(math.sqrt(most * most - az * az), c.steepest * fz)
+    fx, fy, fz = k * (wx - vx), k * (wy - vy), min(max(k * (wz - vz), -UPWARDS * most), UPWARDS * most)
+    across, reach = math.sqrt(fx * fx + fy * fy), math.sqrt(most * most - fz * fz)
+    scale = reach / across if across > reach else 1.0
+    fx, fy, fz = fx * scale - px, fy * scale - py, max(fz + weight - pz, LEAST_LIFT)
+    across, reach = math.sqrt(fx * fx + fy * fy), c.steepest * fz
     scale = reach / across if across > reach else 1.0
     fx, fy = fx * scale, fy * scale
     thrust = c.mass * max(fx * m[2] + fy * m[5] + fz * m[8], 0.0)

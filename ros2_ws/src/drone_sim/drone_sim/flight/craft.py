@@ -10,8 +10,9 @@ from drone_sim.arrays import Floats
 from drone_sim.kernel import inlined
 from drone_sim.scene import Flight
 
-SIZE = 51  # numbers of a Craft
+SIZE = 56  # numbers of a Craft
 SLOWEST = 0.35  # share of an error that the fastest loop takes away in one go, at most: more would overshoot
+PUSHED = 0.6  # of the acceleration that is allowed: the strongest push that is met
 CASCADE = 2.5  # by how much each loop is at least slower than the one within it
 
 
@@ -62,7 +63,12 @@ class Craft(NamedTuple):
     w1: float
     w2: float
     w3: float
+    h: float  # s from control to control
+    watch_velocity: float  # of an error in the predicted velocity, how much is taken away each time
+    watch_push: float  # and how much of it, in m/s^2 for m/s, is taken for a push
+    most_push: float
     # One over what is divided by again and again.
+    per_mass: float
     per_coefficient: float
     per_ix: float
     per_iy: float
@@ -80,7 +86,7 @@ def craft(row):
                  row[12], row[13], row[14], row[15], row[16], row[17], row[18], row[19], row[20], row[21], row[22],
                  row[23], row[24], row[25], row[26], row[27], row[28], row[29], row[30], row[31], row[32], row[33],
                  row[34], row[35], row[36], row[37], row[38], row[39], row[40], row[41], row[42], row[43], row[44],
-                 row[45], row[46], row[47], row[48], row[49], row[50])
+                 row[45], row[46], row[47], row[48], row[49], row[50], row[51], row[52], row[53], row[54], row[55])
 
 
 def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...], h: float) -> Floats:
@@ -96,11 +102,14 @@ def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...],
     rate = min(frame.gains.rate, SLOWEST / h)
     attitude = min(frame.gains.attitude, rate / CASCADE)
     velocity = min(frame.gains.velocity, attitude / CASCADE)
+    watch = min(frame.gains.disturbance, 0.5 * SLOWEST / h)
     least, most = (frame.thrust_coefficient * turn**2 for turn in (frame.min_rate, frame.max_rate))
-    return np.array([mass, *inertia, frame.thrust_coefficient, frame.torque_ratio, frame.rotor_drag, least, most,
-                     velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
-                     math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), 1.0 / frame.thrust_coefficient,
-                     *(1.0 / inertia), *(1.0 / shares[0])])
+    return np.array([
+        mass, *inertia, frame.thrust_coefficient, frame.torque_ratio, frame.rotor_drag, least, most,
+        velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
+        math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), h, 2.0 * watch * h, watch**2 * h,
+        PUSHED * flight.max_acceleration, 1.0 / mass, 1.0 / frame.thrust_coefficient, *(1.0 / inertia),
+        *(1.0 / shares[0])])
 
 
 def hovering(row: Floats, weight: float) -> Floats:

@@ -22,11 +22,14 @@ from drone_sim.scene import SceneError
 from drone_sim.stage import Stage
 from drone_sim.strict import Strict
 
-SPEED = "rotor_speed"  # (k, 4) rad/s of k quadrotors, in the state's memory
+# Of k quadrotors, in the state's memory: rad/s, (k, 4); and the velocity that is expected (NaN: none), m/s, and what
+# pushes the drone, m/s^2, in the world, (k, 6).
+SPEED, EXPECTED = "rotor_speed", "expected_velocity_and_push"
 
 
 @kernel
-def control(drone, body, row, orientation, velocity, angular, wanted, landed, weight, command):
+def control(drone, body, row, orientation, velocity, angular, wanted, landed, weight, expected,
+            command):
     """Writes the rates that the rotors of k quadrotors are to have, (k, 4) rad/s; landed ones stop.
 
     row: (k, SIZE) as Craft names them; wanted: (d, 4) velocity in the world, yaw rate; weight: to carry, m/s^2.
@@ -36,11 +39,12 @@ def control(drone, body, row, orientation, velocity, angular, wanted, landed, we
         i = body[d]
         if landed[d]:
             command[k] = 0.0
+            expected[k] = np.nan
             continue
-        q, v, a = orientation[i], velocity[i], angular[i]
-        command[k, 0], command[k, 1], command[k, 2], command[k, 3] = rates(
+        q, v, a, e = orientation[i], velocity[i], angular[i], expected[k]
+        (command[k, 0], command[k, 1], command[k, 2], command[k, 3], e[0], e[1], e[2], e[3], e[4], e[5]) = rates(
             craft(row[k]), q[0], q[1], q[2], q[3], v[0], v[1], v[2], a[0], a[1], a[2],
-            wanted[d, 0], wanted[d, 1], wanted[d, 2], wanted[d, 3], weight)
+            wanted[d, 0], wanted[d, 1], wanted[d, 2], wanted[d, 3], e[0], e[1], e[2], e[3], e[4], e[5], weight)
 
 
 @kernel
@@ -119,6 +123,7 @@ def build(setting: Setting, drone: Integers, wanted: Floats, active: Mapping[str
     row = np.array([row_of(m, int(d), h, path) for d in drone])
     rotor = np.array([rotors_of(m, int(d)) for d in drone])
     speed = s.remember(SPEED, np.array([hovering(r, weight) for r in row]))
+    expected = s.remember(EXPECTED, np.full((len(row), 6), np.nan))
     told, now, lag = speed, speed, Stages()
     if "motor_lag" in active:
         told, now = np.zeros_like(speed), np.zeros_like(speed)
@@ -129,7 +134,7 @@ def build(setting: Setting, drone: Integers, wanted: Floats, active: Mapping[str
         act.append(Stage("rotor drag", resist, (drone, body, row, s.orientation_w, s.velocity_w, forces.air_w, now,
                                                 setting.dt, forces.force_w)))
     steer = Stage("control", control, (drone, body, row, s.orientation_w, s.velocity_w, s.angular_velocity_w, wanted,
-                                       s.landed, weight, told))
+                                       s.landed, weight, expected, told))
     asked = any(name in active for name in effects.THRUST)
     tell = (Stage("thrust", press, (row, rotor, speed, forces.thrust)),) if asked else ()
     return Stages(substep=(steer, *tell, *lag.substep), force=(*lag.force, *act))
