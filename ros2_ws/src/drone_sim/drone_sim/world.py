@@ -202,7 +202,9 @@ class World:
         return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
 
     def stage_times(self) -> dict[str, float]:
-        """Of a timed world: us per step of each stage since this was last called, by `stage_names`."""
+        """us per step of each stage since this was last called, by `stage_names`; empty unless the world is timed."""
+        if not self._timed:
+            return {}
         return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
 
     @property
