@@ -124,6 +124,12 @@ def test_mixing_keeps_the_attitude(thrust: float, roll: float, pitch: float, yaw
         assert min(straight.min() - least, MOST - straight.max()) < 1e-9
 
 
+@pytest.mark.parametrize("thrust", [0.0, 15.0, 100.0])
+@pytest.mark.parametrize("torque", [(0.0, 0.0, 0.0), (5.0, 0.0, 0.0), (0.0, -5.0, 0.0), (5.0, 5.0, 0.0)])
+def test_mixing_what_rotors_cannot_do_and_no_yaw_gives_numbers(thrust: float, torque: tuple[float, ...]) -> None:
+    assert np.isfinite(mixed(IRIS, thrust, *torque)).all()
+
+
 def test_more_torque_than_there_is_keeps_its_direction() -> None:
     thrusts = np.array(mixed(IRIS, 15.0, 3.0, 1.5, 0.2))
     _, roll, pitch, yaw = torques(thrusts)

@@ -13,10 +13,9 @@ from drone_sim.rotation import matrix
 
 UPWARDS = 0.95  # of the acceleration that is allowed, which goes to height before all else; what is left, sideways
 LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
-TURN_RATE = 8.0  # rad/s of roll and pitch together, at most
+TURN_RATE = 8.0  # rad/s of roll and of pitch, at most
 FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
 STARTLED = 2.0  # m/s from one control to the next that are no push, but a collision or another place
-NOTHING = 1e-300
 
 
 @inlined
@@ -61,22 +60,19 @@ def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, px, py, pz, weight
     across, reach = math.sqrt(fx * fx + fy * fy), c.steepest * fz
     scale = reach / across if across > reach else 1.0
     fx, fy = fx * scale, fy * scale
-    thrust = c.mass * max(fx * m[2] + fy * m[5] + fz * m[8], 0.0)
-
     # The body's z axis is to point along f: the rates are 2 tan(error / 2), in the plane of the two.
-    scale = 1.0 / math.sqrt(fx * fx + fy * fy + fz * fz)
-    ux, uy, uz = fx * scale, fy * scale, fz * scale
-    ex, ey, ez = m[5] * uz - m[8] * uy, m[8] * ux - m[2] * uz, m[2] * uy - m[5] * ux
-    near = 1.0 + m[2] * ux + m[5] * uy + m[8] * uz
-    scale = 2.0 * c.attitude_gain / max(near, FLAT)
-    rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if near > FLAT else TURN_RATE
-    ry = scale * (m[1] * ex + m[4] * ey + m[7] * ez) if near > FLAT else 0.0
-    fast = math.sqrt(rx * rx + ry * ry)
-    scale = TURN_RATE / fast if fast > TURN_RATE else 1.0
-    rx, ry, rz = rx * scale + yaw_rate * m[6], ry * scale + yaw_rate * m[7], yaw_rate * m[8]
+    along, length = fx * m[2] + fy * m[5] + fz * m[8], math.sqrt(fx * fx + fy * fy + fz * fz)
+    ex, ey, ez = m[5] * fz - m[8] * fy, m[8] * fx - m[2] * fz, m[2] * fy - m[5] * fx
+    upright = along + length > FLAT * length
+    scale = 2.0 * c.attitude_gain / (along + length) if upright else 0.0
+    rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if upright else TURN_RATE
+    ry = scale * (m[1] * ex + m[4] * ey + m[7] * ez)
+    rx = min(max(rx, -TURN_RATE), TURN_RATE) + yaw_rate * m[6]
+    ry = min(max(ry, -TURN_RATE), TURN_RATE) + yaw_rate * m[7]
+    rz = yaw_rate * m[8]
 
     # Torque for the wanted change of rates, and against the gyroscopic one.
-    return (thrust,
+    return (c.mass * max(along, 0.0),
             c.ix * c.rate_gain * (rx - bx) + (c.iz - c.iy) * by * bz,
             c.iy * c.rate_gain * (ry - by) + (c.ix - c.iz) * bz * bx,
             c.iz * c.yaw_gain * (rz - bz) + (c.iy - c.ix) * bx * by)
@@ -91,23 +87,24 @@ def mix(c, thrust, tx, ty, tz):
     q0, q1 = c.r0 * tx + c.p0 * ty, c.r1 * tx + c.p1 * ty
     q2, q3 = c.r2 * tx + c.p2 * ty, c.r3 * tx + c.p3 * ty
     spread = max(q0, q1, q2, q3) - min(q0, q1, q2, q3)
-    scale = min((c.most - c.least) / (spread + NOTHING), 1.0)
+    scale = (c.most - c.least) / spread if spread > c.most - c.least else 1.0
     q0, q1, q2, q3 = q0 * scale, q1 * scale, q2 * scale, q3 * scale
     low = max(c.e0 * (c.least - q0), c.e1 * (c.least - q1), c.e2 * (c.least - q2), c.e3 * (c.least - q3))
     high = min(c.e0 * (c.most - q0), c.e1 * (c.most - q1), c.e2 * (c.most - q2), c.e3 * (c.most - q3))
     thrust = min(max(thrust, low), high)
     q0, q1, q2, q3 = q0 + c.t0 * thrust, q1 + c.t1 * thrust, q2 + c.t2 * thrust, q3 + c.t3 * thrust
     y0, y1, y2, y3 = c.w0 * tz, c.w1 * tz, c.w2 * tz, c.w3 * tz
-    share = max(min(_room(c, q0, y0), _room(c, q1, y1), _room(c, q2, y2), _room(c, q3, y3), 1.0), 0.0)
+    room = max(0.0, min(c.v0 * _room(c, q0, y0), c.v1 * _room(c, q1, y1), c.v2 * _room(c, q2, y2),
+                        c.v3 * _room(c, q3, y3)))
+    share = room / abs(tz) if room < abs(tz) else 1.0
     return (min(max(q0 + share * y0, c.least), c.most), min(max(q1 + share * y1, c.least), c.most),
             min(max(q2 + share * y2, c.least), c.most), min(max(q3 + share * y3, c.least), c.most))
 
 
 @inlined
 def _room(c, thrust, more):
-    """How many times a rotor can have `more` on top of its thrust."""
-    room = c.most - thrust if more > 0.0 else thrust - c.least
-    return room / (abs(more) + NOTHING)
+    """By how much a rotor's thrust can change in the direction of `more`, N."""
+    return c.most - thrust if more > 0.0 else thrust - c.least
 
 
 @inlined

@@ -10,7 +10,7 @@ from drone_sim.arrays import Floats
 from drone_sim.kernel import inlined
 from drone_sim.scene import Flight
 
-SIZE = 56  # numbers of a Craft
+SIZE = 60  # numbers of a Craft
 SLOWEST = 0.35  # share of an error that the fastest loop takes away in one go, at most: more would overshoot
 PUSHED = 0.6  # of the acceleration that is allowed: the strongest push that is met
 CASCADE = 2.5  # by how much each loop is at least slower than the one within it
@@ -77,6 +77,10 @@ class Craft(NamedTuple):
     e1: float
     e2: float
     e3: float
+    v0: float  # of the sizes of the shares of the yaw torque
+    v1: float
+    v2: float
+    v3: float
 
 
 @inlined
@@ -86,7 +90,8 @@ def craft(row):
                  row[12], row[13], row[14], row[15], row[16], row[17], row[18], row[19], row[20], row[21], row[22],
                  row[23], row[24], row[25], row[26], row[27], row[28], row[29], row[30], row[31], row[32], row[33],
                  row[34], row[35], row[36], row[37], row[38], row[39], row[40], row[41], row[42], row[43], row[44],
-                 row[45], row[46], row[47], row[48], row[49], row[50], row[51], row[52], row[53], row[54], row[55])
+                 row[45], row[46], row[47], row[48], row[49], row[50], row[51], row[52], row[53], row[54], row[55],
+                 row[56], row[57], row[58], row[59])
 
 
 def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...], h: float) -> Floats:
@@ -109,7 +114,7 @@ def numbers(flight: Flight, mass: float, inertia: Floats, arms: tuple[Arm, ...],
         velocity, attitude, rate, min(frame.gains.yaw_rate, SLOWEST / h), flight.max_acceleration,
         math.tan(frame.max_tilt), *x, *y, *s, *shares.ravel(), h, 2.0 * watch * h, watch**2 * h,
         PUSHED * flight.max_acceleration, 1.0 / mass, 1.0 / frame.thrust_coefficient, *(1.0 / inertia),
-        *(1.0 / shares[0])])
+        *(1.0 / shares[0]), *(1.0 / np.abs(shares[3]))])
 
 
 def hovering(row: Floats, weight: float) -> Floats:

@@ -42,12 +42,12 @@ def wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, h
     hy = py if arrived else hy if silent else np.nan
     hz = pz if arrived else hz if silent else np.nan
     holding = hx == hx
-    wx, wy, wz = limited(hx - px if holding else 0.0 if silent else cx * nx - cy * ny,
-                         hy - py if holding else 0.0 if silent else cx * ny + cy * nx,
-                         hz - pz if holding else 0.0 if silent else cz,
-                         min(max_speed, HOLD_SPEED) if holding else max_speed)
+    cx, cy, cz = limited(cx, cy, cz, max_speed)
+    bx, by, bz = limited(hx - px, hy - py, hz - pz, min(max_speed, HOLD_SPEED))  # back
     yaw_rate = 0.0 if silent else min(max(turn, -max_yaw_rate), max_yaw_rate)
-    return wx, wy, wz, yaw_rate, hx, hy, hz
+    return (bx if holding else 0.0 if silent else cx * nx - cy * ny,
+            by if holding else 0.0 if silent else cx * ny + cy * nx,
+            bz if holding else 0.0 if silent else cz, yaw_rate, hx, hy, hz)
 
 
 @kernel
