@@ -261,10 +261,14 @@ def test_nothing_floats_without_weight(world: Make) -> None:
 @pytest.mark.parametrize("substeps", [1, 8])
 @pytest.mark.parametrize("effects", [
     "drag: {density: 2000, coefficient: 10}", "linear_drag: {rate: [1000, 1000, 1000], spin: 1000, bodies: all}",
+    "water: {level: 100, density: 20000, coefficient: 10, damping: 100}",
+    "drag: {density: 2000, coefficient: 10}, linear_drag: {rate: [1000, 1000, 1000], spin: 1000, bodies: all}, "
     "water: {level: 100, density: 20000, coefficient: 10, damping: 100}"])
-def test_the_strongest_drag_stops_a_body_and_no_more(world: Make, effects: str, substeps: int) -> None:
+@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "midpoint"])
+def test_the_strongest_drag_stops_a_body_and_no_more(
+        world: Make, effects: str, substeps: int, integrator: str) -> None:
     brake = world("crate: {model: drone, mass: 0.01, pose: [0, 0, 1, 0.4, 0.3, 0]}",
-                  f"dynamics: {{substeps: {substeps}}}\neffects: {{{effects}}}")
+                  f"dynamics: {{substeps: {substeps}, integrator: {integrator}}}\neffects: {{{effects}}}")
     brake.state.velocity_w[0] = [30.0, -20.0, 10.0]
     brake.state.angular_velocity_w[0] = [4.0, 5.0, 6.0]
     last = math.inf

@@ -34,6 +34,7 @@ EFFECTS = {  # in the order in which they act: first those that stir the air
 }
 AIR = ("wind", "gusts", "downwash")  # those that stir the air, before anything asks how it moves
 THRUST = ("downwash", "ground_effect")  # those that need to know what each rotor pushes with
+STABLE = 0.4  # of what stops a body within a sub-step: the most that one drag takes, as several may act at once
 UNSTEADY = ("gusts", "downwash")  # those that may move what has come to rest: with them, nobody sleeps
 
 

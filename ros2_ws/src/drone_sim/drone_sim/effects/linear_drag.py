@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from drone_sim.effects import Setting, Stages
+from drone_sim.effects import STABLE, Setting, Stages
 from drone_sim.kernel import kernel
 from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
@@ -25,10 +25,10 @@ class Parameters(Strict):
 
 
 @kernel
-def damp(awake, acts, orientation, velocity, angular, air, mass, inertia, x, y, z, spin, dt, force, torque):
+def damp(awake, acts, orientation, velocity, angular, air, mass, inertia, x, y, z, spin, h, force, torque):
     """Adds the drag of the bodies in the mask `acts` (n,) to force and torque (n, 3). air: (n, 3) m/s, or (0, 3)."""
-    # No more than stops the body within this step.
-    x, y, z, spin = min(x, 1.0 / dt), min(y, 1.0 / dt), min(z, 1.0 / dt), min(spin, 1.0 / dt)
+    most = STABLE / h  # less than stops the body within a sub-step
+    x, y, z, spin = min(x, most), min(y, most), min(z, most), min(spin, most)
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         if not acts[i]:
@@ -59,4 +59,4 @@ def build(parameters: Parameters, setting: Setting) -> Stages:
         return Stages(idle="no drone in the scene" if parameters.bodies == "drones" else "nothing in the scene moves")
     return Stages(force=(Stage("linear_drag", damp, (
         s.awake, acts, s.orientation_w, s.velocity_w, s.angular_velocity_w, forces.air_w, b.mass, b.inertia_b,
-        *parameters.rate, parameters.spin, setting.dt, forces.force_w, forces.torque_w)),))
+        *parameters.rate, parameters.spin, setting.h, forces.force_w, forces.torque_w)),))

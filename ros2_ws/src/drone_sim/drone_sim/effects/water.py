@@ -13,7 +13,7 @@ import math
 import numpy as np
 from pydantic import Field
 
-from drone_sim.effects import Setting, Stages, weight
+from drone_sim.effects import STABLE, Setting, Stages, weight
 from drone_sim.effects.submerged import ROWS, submerged
 from drone_sim.kernel import kernel
 from drone_sim.rotation import matrix
@@ -58,14 +58,14 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
             area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
         least = min(inertia[i, 0], min(inertia[i, 1], inertia[i, 2]))
         felt = 1.0 / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # the mass at that point
-        # No more than stops that point within this sub-step.
-        rate = min(share * (damping * water + drag * density * under * area_speed), 0.5 * felt / h)
+        # Less than stops that point within this sub-step.
+        rate = min(share * (damping * water + drag * density * under * area_speed), STABLE * felt / h)
         fx, fy, fz = -rate * vx, -rate * vy, lift - rate * vz
         force[i, 0] += fx
         force[i, 1] += fy
         force[i, 2] += fz
 
-        spin = min(share * damping * water / mass[i], 0.5 / h)
+        spin = min(share * damping * water / mass[i], STABLE / h)
         bx = spin * inertia[i, 0] * (m[0] * wx + m[3] * wy + m[6] * wz)
         by = spin * inertia[i, 1] * (m[1] * wx + m[4] * wy + m[7] * wz)
         bz = spin * inertia[i, 2] * (m[2] * wx + m[5] * wy + m[8] * wz)
