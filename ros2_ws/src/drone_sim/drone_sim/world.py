@@ -8,6 +8,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import count
 
 import numpy as np
 
@@ -186,10 +187,10 @@ class World:
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
-        total = len(self.acting.stages) + len(self.program.stages)
-        self.acting.compile(lambda done, _, name: report(done, total, name))
-        self.steering.compile()
-        self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
+        programs = (self.acting, self.steering, self.program)
+        total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
+        for program in programs:
+            program.compile(lambda _, __, name: report(next(done), total, name) if name else None)
         self.detection.compile()
         self._ready = True
 

@@ -68,6 +68,10 @@ def test_clock_readings_between_stages_change_nothing(world: Make) -> None:
     plain.run(100)
     timed.run(100)
     assert timed.state.hash() == plain.state.hash()
+    told: dict[bool, list[tuple[int, int, str]]] = {True: [], False: []}
+    for which, built in ((True, timed), (False, plain)):
+        built.compile(lambda *words, which=which: told[which].append(words))  # type: ignore[misc]
+    assert told[True] == told[False]
     assert timed.stage_names() == plain.stage_names() == list(timed.stage_times())
 
 

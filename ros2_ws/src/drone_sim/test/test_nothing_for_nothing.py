@@ -1,5 +1,6 @@
 """Only what a scene calls for is there: without an effect, a run is that of a program that does not have it."""
 
+import math
 import re
 import subprocess
 import sys
@@ -27,6 +28,7 @@ NOTHING = {  # how an effect says that it is too weak to do anything
     "wind": "{mean: [0, 0, 0]}", "gusts": "{wind_6m: 0}", "gravity": "{acceleration: 0}", "drag": "{coefficient: 0}",
     "linear_drag": "{rate: [0, 0, 0]}", "water": "{level: -1000}",
 }
+DOCS = Path(__file__).parents[4] / "docs" / "effects.md"
 OTHERS = "every other effect"
 
 
@@ -128,11 +130,21 @@ def test_a_fresh_program_imports_no_effect_that_the_scene_does_not_name(world: M
     assert own & set(result.stdout.split()) == {effects.EFFECTS["drag"]}
 
 
+def test_the_effect_of_the_documentation_is_its_own_file_and_one_line(
+        world: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = re.findall(r"```python\n(.*?)```", DOCS.read_text(), re.DOTALL)[-1]
+    (tmp_path / "spring_of_the_documentation.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(effects.EFFECTS, "spring", "spring_of_the_documentation")
+    swing = world("crate: {model: crate, mass: 4, pose: [0.5, 0, -0.3]}", "effects: {spring: {stiffness: 9}}")
+    swing.run(90)
+    assert swing.pose("crate")[0] == pytest.approx(0.5 * math.cos(math.sqrt(9 / 4) * 3.0), abs=1e-4)
+
+
 def test_every_effect_is_documented_with_its_parameters() -> None:
-    docs = Path(__file__).parents[4] / "docs" / "effects.md"
-    sections = dict(re.findall(r"^## `(\w+)`(.*?)(?=^## |\Z)", docs.read_text(), re.MULTILINE | re.DOTALL))
+    sections = dict(re.findall(r"^## `(\w+)`(.*?)(?=^## |\Z)", DOCS.read_text(), re.MULTILINE | re.DOTALL))
     assert list(sections) == list(effects.EFFECTS)
     for name, section in sections.items():
         for parameter in effects.effect(name).Parameters.model_fields:
             assert f"| `{parameter}` |" in section, f"{name}.{parameter}"
-        assert f"effects/{name}.png" in section
+        assert f"](effects/{name}.png)" in section and (DOCS.parent / "effects" / f"{name}.png").exists()
