@@ -9,6 +9,7 @@
 import math
 from collections.abc import Callable, Mapping
 from itertools import count
+from typing import Any
 
 import numpy as np
 
@@ -69,8 +70,8 @@ class World:
         self.model = model.build(scene)
         self.state = State.of(self.model)
         s, names = self.state, self.model.bodies.names
-        self._inputs = {names[i]: (i, memoryview(s.command_b[d]), memoryview(s.silence[d : d + 1]))
-                        for d, i in enumerate(self.model.drones.body)}  # by drone, which a number reaches fastest so
+        self._inputs: dict[str, tuple[int, Any, Any]] = {  # by drone; a number is written fastest through memoryviews
+            names[i]: (i, s.command_b[d].data, s.silence[d : d + 1].data) for d, i in enumerate(self.model.drones.body)}
         self._build()
         self._start = self.state.copy()
 
