@@ -80,8 +80,9 @@ class World:
         m, s = self.model, self.state
         active = effects.parameters(self.scene)
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
-        forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
-                                              np.zeros(len(m.rotors.names)), np.zeros(1))
+        force, torque = np.zeros((2, m.bodies.count, 3))
+        forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
+                                              np.zeros(1))
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
