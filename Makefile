@@ -43,6 +43,7 @@ figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
+	@$(RUN) figures/effects.py
 	@$(RUN) figures/flight_models.py
 
 accuracy: build  ## measure what accuracy costs: tables, numbers and plots, in two minutes
