@@ -32,8 +32,9 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## against other libraries: collisions, pictures; then the whole graph; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
+	@$(RUN) bench/render.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
 hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minutes); make hard-cases ARGS="--count 1000"

@@ -112,6 +112,14 @@ class Device:
         self._releases += [colour.release, depth.release, target.release]
         return target
 
+    def textured_target(self, size: tuple[int, int]) -> tuple[moderngl.Framebuffer, moderngl.Texture]:
+        """Colour and depth of a picture whose colours, with alpha, a program will read pixel by pixel."""
+        texture, depth = self.context.texture(size, 4), self.context.depth_renderbuffer(size)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        target = self.context.framebuffer([texture], depth)
+        self._releases += [texture.release, depth.release, target.release]
+        return target, texture
+
     def release(self) -> None:
         """Gives back everything, the youngest first."""
         self.context.detect_framebuffer(0).use()  # or the next target would be made beside one that is gone

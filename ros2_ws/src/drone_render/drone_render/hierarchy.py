@@ -9,7 +9,7 @@ from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
 LIGHTS = 4  # that a surface is lit by beside the parallel one, at most
-DARK = 1 / 64  # of a light's brightness; where less than that is left, it has ended
+DARK = 1 / 128  # of a light's brightness; where less than that is left, it has ended
 UNSEEN = 1 / 255  # a light that adds less is not computed
 PARALLEL = 200.0  # m from the origin, beyond which a light without reach has parallel rays
 

@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from drone_render.context import Device, write
+from drone_render.edges import SKY_MARK, WATER_MARK
 from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.view import Array
@@ -59,7 +60,9 @@ class WaterPass:
 
     def __init__(self, device: Device, render: Render, water: Water, sun: bool, shore: Shore | None) -> None:
         sky = render.sky is not None
-        self._program = device.program(Variant.of("water", SKY=sky, SUN=sun and sky, SHORE=shore is not None))
+        self._program = device.program(Variant.of(
+            "water", SKY=sky, SUN=sun and sky, SHORE=shore is not None, EDGES=render.antialiasing is not None,
+        ))  # fmt: skip
         self._shore = shore
         if shore is not None:
             write(self._program, square=shore.square)
@@ -71,7 +74,7 @@ class WaterPass:
         self._number = number
         self._speed = np.sqrt(GRAVITY * number) * water.wave_speed  # rad/s, deep water
         write(
-            self._program,
+            self._program, mark=WATER_MARK,
             deep=water.deep, shallow=water.shallow, ambient=render.ambient,
             wave_x=number * heading[0], wave_y=number * heading[1],
             slope_x=slope * heading[0], slope_y=slope * heading[1],
@@ -107,12 +110,14 @@ class WaterPass:
 class SkyPass:
     """What is seen where nothing stands. Drawn last, so that it costs only the pixels that are left."""
 
-    def __init__(self, device: Device, sky: Sky, sun: bool) -> None:
+    def __init__(self, device: Device, render: Render, sky: Sky, sun: bool) -> None:
         self._sky = sky
         self._clouds = None if sky.clouds is None else device.texture(texture_path(sky.clouds))
-        self._program = device.program(Variant.of("sky", CLOUDS=sky.clouds is not None, SUN=sun))
+        self._program = device.program(Variant.of(
+            "sky", CLOUDS=sky.clouds is not None, SUN=sun, EDGES=render.antialiasing is not None,
+        ))  # fmt: skip
         self._array = device.vertex_array(self._program)
-        write(self._program, horizon=sky.horizon, zenith=sky.zenith)
+        write(self._program, mark=SKY_MARK, horizon=sky.horizon, zenith=sky.zenith)
 
     def draw(self, frame: Frame) -> None:
         """Fills what is left of the picture."""

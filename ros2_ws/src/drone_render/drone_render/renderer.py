@@ -9,11 +9,12 @@ import numpy as np
 
 from drone_render import view
 from drone_render.context import Device, packed, waiter
+from drone_render.edges import EdgePass
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.passes import Frame, SkyPass, Sun, WaterPass
 from drone_render.shore import Shore, survey
-from drone_render.solid import SolidPass
+from drone_render.solid import TOLERANCE, SolidPass
 from drone_render.view import Array
 from drone_sim import mesh
 from drone_sim.scene import Scene
@@ -22,17 +23,20 @@ from drone_sim.scene import Scene
 class Renderer:
     """A scene on the graphics device. Use it as a context manager, or call `release`.
 
+    tolerance: pixels that surfaces may be off by where far things have fewer triangles; 0 draws them all.
     Raises SceneError, MeshError or ValueError for models and textures that are not as they should be.
     """
 
-    def __init__(self, scene: Scene, context: moderngl.Context) -> None:
+    def __init__(self, scene: Scene, context: moderngl.Context, tolerance: float = TOLERANCE) -> None:
         self.scene = scene
+        self._tolerance = tolerance
         self.hierarchy = Hierarchy(scene)
         self._context = context
         self._wait = waiter()
         self._device = Device(context)
         self._lighting = Lighting(self.hierarchy)
         self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
+        self._edges = None if scene.render.antialiasing is None else EdgePass(self._device)
         try:
             self._load()
             self._warm_up()
@@ -63,17 +67,19 @@ class Renderer:
             [thing.shading == "water" and render.water is not None for thing in scene.objects.values()], dtype=bool
         )
         solid = {row: model for row, model in enumerate(self._models) if not self._is_water[row]}
-        self._solid = SolidPass(self._device, render, solid, self._lighting)
+        self._solid = SolidPass(self._device, render, solid, self._lighting, self._tolerance)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
         self._water = None
         if render.water is not None and self._is_water.any():
             self._water = WaterPass(self._device, render, render.water, has_sun, self._survey())
-        self._sky = None if render.sky is None else SkyPass(self._device, render.sky, has_sun)
+        self._sky = None if render.sky is None else SkyPass(self._device, render, render.sky, has_sun)
         self._background = render.ambient if render.sky is None else render.sky.horizon
         for camera in scene.cameras.values():
             if camera.size not in self._targets:
-                self._targets[camera.size] = self._device.target(camera.size)
+                self._targets[camera.size] = (
+                    self._device.target(camera.size) if self._edges is None else self._edges.target(camera.size)
+                )
 
     def _survey(self) -> Shore | None:
         world = self.hierarchy.world(self.hierarchy.start)
@@ -121,6 +127,8 @@ class Renderer:
                 self._water.draw(self._models[row], packed(world[row].T))
         if self._sky is not None:
             self._sky.draw(frame)
+        if self._edges is not None:
+            target = self._edges.draw(camera.size)
         self._wait()
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
         return place

@@ -32,11 +32,13 @@ cameras:
 """
 
 
-def draw(scene: Scene, graphics: moderngl.Context, camera: str = "front", time: float = 0.0) -> np.ndarray:
+def draw(
+    scene: Scene, graphics: moderngl.Context, camera: str = "front", time: float = 0.0, tolerance: float = 1.0
+) -> np.ndarray:
     """The picture, (height, width, 3) uint8, of a scene as it starts."""
     width, height = scene.cameras[camera].size
     picture = Picture((width, height), camera)
-    with Renderer(scene, graphics) as renderer:
+    with Renderer(scene, graphics, tolerance) as renderer:
         renderer.draw(camera, renderer.hierarchy.start, time, picture)
     return np.frombuffer(picture.pixels(), np.uint8).reshape(height, width, 3)
 
@@ -152,6 +154,37 @@ objects:
     hierarchy = Hierarchy(scene)
     world = hierarchy.world(hierarchy.start)
     np.testing.assert_allclose(hierarchy.place(world, "tip")[:3, 3], [4, 0, 1], atol=1e-9)
+
+
+def test_fewer_triangles_are_hardly_seen(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene("""
+objects: {ball: {model: ball, mass: 1, poses: [[3, 0.7, 0], [6, -1, 0], [12, 0, 1], [25, 3, -1]]}}
+lights: {sun: {pose: [-100, 200, 300]}}
+cameras: {front: {size: [320, 240]}}
+""")
+    full = draw(scene, graphics, tolerance=0.0).astype(float)
+    fewer = np.abs(draw(scene, graphics) - full).mean()
+    assert 0 < fewer < 0.5
+    assert np.abs(draw(scene, graphics, tolerance=30.0) - full).mean() > 2 * fewer
+
+
+def test_edges_are_smoothed_and_faces_stay_sharp(make_scene: Make, graphics: moderngl.Context) -> None:
+    text = """
+render: {ambient: [0.5, 0.5, 0.5]ANTIALIASING}
+objects: {crate: {model: crate, mass: 1, pose: [3, 0, 0, 0.3, 0, 0]}}
+cameras: {front: {size: [160, 120]}}
+"""
+    plain = draw(make_scene(text.replace("ANTIALIASING", "")), graphics).astype(float)
+    smooth = draw(make_scene(text.replace("ANTIALIASING", ", antialiasing: {}")), graphics).astype(float)
+    background = plain[0, 0]
+    thing = np.abs(plain - background).sum(axis=2) > 0
+    inside = thing.copy()
+    for axis in (0, 1):
+        for step in (-1, 1):
+            inside &= np.roll(thing, step, axis)
+    np.testing.assert_array_equal(smooth[inside], plain[inside])
+    steps = [np.abs(np.diff(picture.sum(axis=2), axis=1))[~inside[:, 1:]].max() for picture in (plain, smooth)]
+    assert steps[1] < 0.75 * steps[0]
 
 
 def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: moderngl.Context) -> None:

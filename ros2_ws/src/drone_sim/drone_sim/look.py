@@ -73,7 +73,9 @@ class Render(Strict):
     water: Water | None = None
     normal_mapping: dict[str, None] | None = None
     specular: dict[str, None] | None = None
+    antialiasing: dict[str, None] | None = None  # smooths the steps where two surfaces meet
 
     def features(self) -> list[str]:
         """Names of what the scene calls for."""
-        return [name for name in ("sky", "water", "normal_mapping", "specular") if getattr(self, name) is not None]
+        names = ("sky", "water", "normal_mapping", "specular", "antialiasing")
+        return [name for name in names if getattr(self, name) is not None]

@@ -1,7 +1,7 @@
 #include "sky.glsl"
+#include "pixel.glsl"
 
 in vec3 ray;
-out vec3 pixel;
 
 #ifdef CLOUDS
 uniform sampler2D clouds;
@@ -10,14 +10,15 @@ uniform vec2 drift;
 
 void main() {
     vec3 direction = normalize(ray);
-    pixel = sky(direction);
+    vec3 shade = sky(direction);
 #ifdef SUN
-    pixel += sun(direction);
+    shade += sun(direction);
 #endif
 #ifdef CLOUDS
     // A flat layer, seen from below: it closes up towards the horizon, where it fades out.
     float up = max(direction.z, 0.0);
     vec4 cloud = texture(clouds, direction.xy * (0.35 / (up + 0.10)) + drift);
-    pixel = mix(pixel, cloud.rgb, cloud.a * min(up * 12.0, 1.0));
+    shade = mix(shade, cloud.rgb, cloud.a * min(up * 12.0, 1.0));
 #endif
+    put(shade);
 }
