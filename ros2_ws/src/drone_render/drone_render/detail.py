@@ -8,11 +8,11 @@ import numpy.typing as npt
 from drone_render.view import Array
 
 SHARES = (0.4, 0.16, 0.06)  # of the triangles, that the levels behind the full one aim at
-FEWEST = 48  # triangles; what has no more is not worth a level
+FEWEST = 160  # triangles; what has no more is not worth a level
 BEND = 1.0  # of an edge's length: how far off in place counts like a normal off by 1
 SLIP = 0.5  # m off in place that count like a texture that slips by 1 m
 FLIPPED = 0.2  # cosine of the turn that makes a triangle face another way
-CHEAP = 0.4  # the share of vertices that may go in a round; the dear ones wait, later they may be cheap
+CHEAP = 0.6  # the share of vertices that may go in a round; the dear ones wait, later they may be cheap
 ROUNDS = 40  # at most, of collapses that do not touch each other
 BLOCK = 2048  # triangles; a wide surface of more is cut, so that its far parts may have fewer
 
@@ -46,7 +46,7 @@ def levels(position: Array, normal: Array, uv: Array, faces: Faces, kept: npt.ND
     _hold_borders(quadrics, position, place, faces)
     error, lots = 0.0, np.random.default_rng(1)
     for share in SHARES:
-        wanted = max(int(share * len(found[0].faces)), FEWEST // 2)
+        wanted = max(int(share * len(found[0].faces)), 24)
         for _ in range(ROUNDS):
             if len(faces) <= wanted:
                 break

@@ -113,7 +113,7 @@ class Renderer:
         place = self.hierarchy.camera(name, world, time)
         sun = None
         if self._sun is not None:
-            sun = Sun(self._lighting.positions(world)[self._sun], self._lighting.colours[self._sun])
+            sun = Sun(self._lighting.places(world)[self._sun, :3, 3], self._lighting.colours[self._sun])
         clip = view.projection(camera) @ view.view(place)
         half = math.tan(camera.fov / 2)
         frame = Frame(

@@ -33,7 +33,7 @@ class SolidPass:
         self._ambient = render.ambient
         self._lighting = lighting
         self._tolerance = tolerance
-        surfaces = Surfaces(device, render, lighting.parallel is not None)
+        surfaces = Surfaces(device, render, lighting)
         pairs = [(row, piece) for row, model in models.items() for piece in surfaces.pieces(model)]
         self._pieces = [piece for _, piece in pairs]
         self._rows = np.array([row for row, _ in pairs], dtype=np.intp)
@@ -69,9 +69,9 @@ class SolidPass:
         allowed = self._tolerance * frame.pixel * np.maximum(away - self._radii[seen], 0.0)
 
         lighting = self._lighting
-        positions = lighting.positions(world)
-        lights = np.column_stack([positions, lighting.falloff, lighting.colours, lighting.cut]).astype(np.float32)
-        chosen = lighting.strongest(positions, self._rows[seen], centres[seen], self._radii[seen])
+        lamps = lighting.places(world)
+        lights = lighting.uniforms(lamps)
+        chosen = lighting.strongest(lamps, self._rows[seen], centres[seen], self._radii[seen])
         matrices = np.ascontiguousarray(places[seen].transpose(0, 2, 1), dtype=np.float32)
         shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
         shared["view_projection"] = frame.view_projection.T

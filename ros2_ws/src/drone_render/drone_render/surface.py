@@ -12,6 +12,7 @@ import numpy.typing as npt
 from drone_render import detail
 from drone_render.context import Device, packed
 from drone_render.geometry import pack, sphere, tangents
+from drone_render.hierarchy import Lighting
 from drone_render.shaders import Variant
 from drone_render.view import Array
 from drone_sim.look import Render
@@ -86,9 +87,10 @@ class Piece(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """What all programs of a scene have in common: rays of the sun, marks for the smoothing of edges."""
+    """What all programs of a scene have in common: rays of the sun, beams, marks for smooth edges."""
 
     sun: bool
+    beams: bool
     edges: bool
 
 
@@ -143,7 +145,7 @@ class Surface:
         """The program that draws this with so many lights."""
         maps = {name.upper(): True for name in self.maps.textures}
         return Variant.of(
-            "solid", LIGHTS=lights, SUN=self._shared.sun, EDGES=self._shared.edges,
+            "solid", LIGHTS=lights, SUN=self._shared.sun, BEAMS=self._shared.beams, EDGES=self._shared.edges,
             UV=bool(maps), BUMPS=self._look.normal_map is not None, EMISSIVE=self._glows,
             SPECULAR=self._look.squarings or False, **maps,
         )  # fmt: skip
@@ -161,9 +163,9 @@ class Surface:
 class Surfaces:
     """The surfaces of models on the device, each model's and each pair of maps once."""
 
-    def __init__(self, device: Device, render: Render, sun: bool) -> None:
+    def __init__(self, device: Device, render: Render, lighting: Lighting) -> None:
         self._device, self._render = device, render
-        self._shared = Shared(sun, render.antialiasing is not None)
+        self._shared = Shared(lighting.parallel is not None, lighting.beams, render.antialiasing is not None)
         self._maps: dict[tuple[Path | None, Path | None], Maps] = {}
         self._pieces: dict[Path, list[Piece]] = {}
 

@@ -48,7 +48,7 @@ def test_a_sphere_stays_round_and_closed_where_it_was() -> None:
 
 
 def test_what_is_kept_stays_and_what_is_flat_goes() -> None:
-    plate = trimesh.creation.box((2, 2, 0)).subdivide().subdivide().subdivide()
+    plate = trimesh.creation.box((2, 2, 0)).subdivide().subdivide().subdivide().subdivide()
     position = np.column_stack([plate.vertices[:, :2], np.zeros(len(plate.vertices))])
     up = plate.face_normals[:, 2] > 0.5
     grid = np.unique(plate.faces[up], return_inverse=True)

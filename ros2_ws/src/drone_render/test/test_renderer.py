@@ -137,11 +137,41 @@ def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None
     scene = make_scene(f"objects: {{ball: {{model: ball, mass: 1}}}}\nlights:\n{lights}")
     hierarchy = Hierarchy(scene)
     lighting = Lighting(hierarchy)
-    positions = lighting.positions(hierarchy.world(hierarchy.start))
-    (chosen,) = lighting.strongest(positions, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
+    places = lighting.places(hierarchy.world(hierarchy.start))
+    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
     assert list(chosen) == [9, 0, 1, 2]
-    (far,) = lighting.strongest(positions, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
+    (far,) = lighting.strongest(places, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
     assert list(far) == [9]  # the others have ended
+
+
+def test_a_beam_lights_what_is_before_it(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = """
+objects:
+  screen: {model: lamp, pose: [3, 0, 0], mass: 1}
+  left: {model: ball, pose: [3, 1.2, 0], mass: 1}
+  right: {model: ball, pose: [3, -1.2, 0], mass: 1}
+lights: {screen: {parent: screen, pose: [0, 0, 0, 0, 0, 1.5707963], BEAM}}
+cameras: {front: {size: [90, 60], fov: 1.2}}
+"""
+    around = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50")), graphics).sum(axis=2)
+    half = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 1.5707963")), graphics).sum(axis=2)
+    narrow = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 0.3")), graphics).sum(axis=2)
+    assert around[:, 48:].max() > 300 and not half[:, 48:].any() and not narrow[:, 48:].any()
+    lit = [np.count_nonzero(picture[:, :40]) for picture in (around, half, narrow)]
+    assert lit[0] >= lit[1] > 2 * lit[2] > 0
+
+
+def test_no_beam_is_spent_on_what_it_misses(make_scene: Make) -> None:
+    scene = make_scene("""
+objects: {ball: {model: ball, mass: 1}}
+lights: {lamp: {pose: [0, 0, 3], beam: 0.5, reach: 20}, other: {pose: [0, 0, 3, 0, 1.5707963, 0], beam: 0.5, reach: 9}}
+""")
+    hierarchy = Hierarchy(scene)
+    lighting = Lighting(hierarchy)
+    places = lighting.places(hierarchy.world(hierarchy.start))
+    centres = np.array([[0, 0, 0], [5, 0, 3], [0, 0, 3.1]])
+    chosen = lighting.strongest(places, np.zeros(3, np.intp), centres, np.ones(3) / 2)
+    assert [list(numbers) for numbers in chosen] == [[1], [0], [0, 1]]
 
 
 def test_children_move_with_their_parents(make_scene: Make) -> None:

@@ -8,13 +8,14 @@ from drone_sim.strict import ORIGIN, Colour, Name, Pose, Strict, Unit
 
 
 class Light(Strict):
-    """A point light. It shines on everything around it but its own parent."""
+    """A point light. It shines on everything but its own parent: all around, or along its x axis as a beam."""
 
     parent: Name | None = None
     pose: Pose = ORIGIN
     colour: Colour = (1.0, 1.0, 1.0)
     intensity: PositiveFloat = 1.0
     reach: PositiveFloat | None = None  # m at which half of it is left; without it, distance does not weaken it
+    beam: Annotated[float, Field(gt=0.0, le=1.5708)] | None = None  # rad from its x axis to where it ends
 
 
 class Orbit(Strict):
