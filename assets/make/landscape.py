@@ -114,6 +114,39 @@ def clouds(rng: np.random.Generator) -> Texture:
     return np.dstack([mix((1.0, 1.0, 1.0), (0.84, 0.87, 0.92), shade), cover]), None
 
 
+def horizon(rng: np.random.Generator) -> Texture:
+    """The sky's colours: from the horizon below to the zenith above, from night at the left to day at the right."""
+    size = 64
+    down, across = pixels(size)
+    rise = 1 - down
+    times = (0.0, 0.22, 0.45, 1.0)
+    night = ((0.055, 0.075, 0.135), (0.030, 0.045, 0.100), (0.012, 0.018, 0.055))
+    dusk = ((0.42, 0.24, 0.26), (0.20, 0.16, 0.30), (0.05, 0.07, 0.19))
+    low = ((0.98, 0.66, 0.42), (0.74, 0.58, 0.58), (0.24, 0.34, 0.58))
+    day = ((0.76, 0.86, 0.94), (0.46, 0.65, 0.88), (0.20, 0.42, 0.77))
+    steps = np.array([[np.interp(rise[:, 0], (0.0, 0.45, 1.0), [colour[i] for colour in time]) for i in range(3)]
+                      for time in (night, dusk, low, day)])
+    colour = np.stack([[np.interp(across[row], times, steps[:, i, row]) for i in range(3)] for row in range(size)])
+    return np.moveaxis(colour, 1, 2), None
+
+
+def stars(rng: np.random.Generator) -> Texture:
+    """A clear night: many faint stars, a few bright ones, and a band of haze."""
+    size = 512
+    down, across = pixels(size)
+    haze = fractal(rng, size, 4, octaves=6, gain=0.6) * (0.5 + 0.5 * np.cos(2 * np.pi * (down + across))) ** 3
+    colour = mix((0.0, 0.0, 0.0), (0.16, 0.17, 0.24), haze)
+    for _ in range(900):
+        row, column = rng.integers(0, size, 2)
+        bright = 0.25 + 0.75 * rng.random() ** 5
+        tint = mix((1.0, 0.82, 0.66), (0.78, 0.88, 1.0), rng.random(1))[0]
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                spot = bright * np.exp(-1.3 * (i * i + j * j) / (0.35 + bright))
+                colour[(row + i) % size, (column + j) % size] += spot * tint
+    return np.minimum(colour, 1.0), None
+
+
 def _meadow(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
     """How light the grass is, and how high."""
     patches = fractal(rng, size, 3, octaves=4, gain=0.6)

@@ -82,8 +82,8 @@ class Device:
         return texture
 
     def plain_texture(self, size: tuple[int, int], values: npt.NDArray[np.uint8]) -> moderngl.Texture:
-        """A texture of one number a pixel that is not repeated, without mip maps; the bottom row comes first."""
-        texture = self.context.texture(size, 1, values.tobytes(), alignment=1)
+        """A texture of one number or colour a pixel, without repetition and mip maps; the bottom row comes first."""
+        texture = self.context.texture(size, values.size // (size[0] * size[1]), values.tobytes(), alignment=1)
         texture.filter = moderngl.LINEAR, moderngl.LINEAR
         texture.repeat_x = texture.repeat_y = False
         self._releases.append(texture.release)
@@ -127,6 +127,13 @@ class Device:
             self._releases.pop()()
         self.programs.clear()
         self._textures.clear()
+
+
+def samplers(program: moderngl.Program, **units: int) -> None:
+    """Tells the program, as far as it has such samplers, where its textures are."""
+    for name, unit in units.items():
+        if program.get(name, None) is not None:
+            program[name] = unit
 
 
 def write(program: moderngl.Program, **uniforms: npt.ArrayLike) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from drone_render import daylight
 from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
@@ -79,6 +80,8 @@ class Lighting:
         far = sun is not None and self._parents[sun] is None and np.linalg.norm(self._offsets[sun, :3, 3]) > PARALLEL
         self.parallel = sun if far else None
         """The sun, if it is so far away that its rays are parallel: drawn apart from the other lights."""
+        if self.parallel is not None:
+            self.colours[self.parallel] *= daylight.sun(hierarchy.scene.render.daylight)
         self._cut = np.where(self.falloff > 0, DARK, 0.0)
         self.lit = np.array(
             [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
@@ -118,8 +121,9 @@ class Lighting:
         left = 1 / (1 + np.square(np.maximum(away, 0.0)) * self.falloff) - self._cut
         strength = np.where(self.lit[rows], left * self.colours.max(axis=1, initial=0.0), 0.0)
         if self.beams:
-            turn = np.arccos(np.clip(np.einsum("nli,li->nl", way, places[:, :3, 0]) / np.maximum(distance, 1e-9), -1, 1))
-            nearest = turn - np.arcsin(np.minimum(radii[:, None] / np.maximum(distance, 1e-9), 1.0))
+            distance = np.maximum(distance, 1e-9)
+            turn = np.arccos(np.clip(np.einsum("nli,li->nl", way, places[:, :3, 0]) / distance, -1, 1))
+            nearest = turn - np.arcsin(np.minimum(radii[:, None] / distance, 1.0))
             strength = np.where((away > 0) & (nearest >= np.arccos(self._edges)), 0.0, strength)
         if self.parallel is not None:
             strength[:, self.parallel] = 0.0

@@ -7,15 +7,17 @@ from typing import Self
 import moderngl
 import numpy as np
 
-from drone_render import view
+from drone_render import daylight, view
 from drone_render.context import Device, packed, waiter
 from drone_render.edges import EdgePass
+from drone_render.frame import Frame, Sun
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
-from drone_render.passes import Frame, SkyPass, Sun, WaterPass
 from drone_render.shore import Shore, survey
+from drone_render.sky import SkyColours, SkyPass
 from drone_render.solid import TOLERANCE, SolidPass
 from drone_render.view import Array
+from drone_render.water import WaterPass
 from drone_sim import mesh
 from drone_sim.scene import Scene
 
@@ -60,7 +62,7 @@ class Renderer:
         return [variant.sources()[1] for variant in self._device.programs]
 
     def _load(self) -> None:
-        scene, render = self.scene, self.scene.render
+        scene, render = self.scene, daylight.dimmed(self.scene.render)
         loaded = {path: mesh.load(path) for path in {scene.model_path(name) for name in self.hierarchy.names}}
         self._models = [loaded[scene.model_path(name)] for name in self.hierarchy.names]
         self._is_water = np.array(
@@ -70,11 +72,14 @@ class Renderer:
         self._solid = SolidPass(self._device, render, solid, self._lighting, self._tolerance)
         self._sun = self._lighting.sun()
         has_sun = self._sun is not None
+        colours = None if render.sky is None else SkyColours.of(self._device, render.sky, render.daylight)
         self._water = None
         if render.water is not None and self._is_water.any():
-            self._water = WaterPass(self._device, render, render.water, has_sun, self._survey())
-        self._sky = None if render.sky is None else SkyPass(self._device, render, render.sky, has_sun)
-        self._background = render.ambient if render.sky is None else render.sky.horizon
+            self._water = WaterPass(self._device, render, render.water, colours, has_sun, self._survey())
+        self._sky = None
+        if render.sky is not None and colours is not None:
+            self._sky = SkyPass(self._device, render, render.sky, colours, has_sun)
+        self._background = render.ambient
         for camera in scene.cameras.values():
             if camera.size not in self._targets:
                 self._targets[camera.size] = (
@@ -126,12 +131,17 @@ class Renderer:
             for row in np.flatnonzero(self._is_water):
                 self._water.draw(self._models[row], packed(world[row].T))
         if self._sky is not None:
-            self._sky.draw(frame)
+            self._sky.draw(frame, self._domes(frame, world))
         if self._edges is not None:
             target = self._edges.draw(camera.size)
         self._wait()
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
         return place
+
+    def _domes(self, frame: Frame, world: Array) -> Array:
+        """The middle of the sky's domes, (3,)."""
+        sky = self.scene.render.sky
+        return frame.eye if sky is None or sky.parent is None else self.hierarchy.place(world, sky.parent)[:3, 3]
 
     def _begin(self, size: tuple[int, int]) -> moderngl.Framebuffer:
         context, target = self._context, self._targets[size]

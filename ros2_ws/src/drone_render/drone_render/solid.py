@@ -9,8 +9,8 @@ import numpy.typing as npt
 from drone_render import view
 from drone_render.context import Device, packed, write
 from drone_render.edges import marks
+from drone_render.frame import Frame
 from drone_render.hierarchy import LIGHTS, Lighting
-from drone_render.passes import Frame
 from drone_render.shaders import Variant
 from drone_render.surface import Maps, Surfaces
 from drone_render.view import Array

@@ -1,7 +1,5 @@
 """What is in the picture, and what is in the programs that draw it."""
 
-from collections.abc import Callable
-
 import moderngl
 import numpy as np
 import pytest
@@ -9,13 +7,12 @@ import pytest
 from drone_render import view
 from drone_render.context import Device
 from drone_render.hierarchy import Hierarchy, Lighting
-from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.shore import survey
 from drone_sim import mesh
-from drone_sim.scene import Scene
 
-Make = Callable[[str], Scene]
+from .drawing import Make, draw
+
 DARK = "render: {ambient: [0, 0, 0]}\n"
 EVERYTHING = """
 render: {sky: {clouds: clouds}, water: {}, normal_mapping: {}, specular: {}}
@@ -30,17 +27,6 @@ lights:
 cameras:
   front: {size: [160, 120], pose: [0, 0, 1, 0, 0.1, 0]}
 """
-
-
-def draw(
-    scene: Scene, graphics: moderngl.Context, camera: str = "front", time: float = 0.0, tolerance: float = 1.0
-) -> np.ndarray:
-    """The picture, (height, width, 3) uint8, of a scene as it starts."""
-    width, height = scene.cameras[camera].size
-    picture = Picture((width, height), camera)
-    with Renderer(scene, graphics, tolerance) as renderer:
-        renderer.draw(camera, renderer.hierarchy.start, time, picture)
-    return np.frombuffer(picture.pixels(), np.uint8).reshape(height, width, 3)
 
 
 @pytest.mark.parametrize("place", [(6.0, 0.0, 0.0), (5.0, 1.3, 0.9), (8.0, -2.5, -1.5), (30.0, 8.0, 4.0)])
@@ -78,7 +64,7 @@ def test_two_draws_are_equal_bytes(make_scene: Make, graphics: moderngl.Context)
 
 
 def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, graphics: moderngl.Context) -> None:
-    words = ["normal_map", "mirrored", "clouds", "zenith", "wave_phase"]
+    words = ["normal_map", "mirrored", "clouds", "colours", "wave_phase"]
     with Renderer(make_scene(EVERYTHING), graphics) as renderer:
         everything = "".join(source_in_use(text) for text in renderer.programs)
     assert all(word in everything for word in words)

@@ -172,6 +172,8 @@ class Scene(Strict):
                 name = getattr(thing, what, None)
                 if name is not None and name not in self.objects:
                     raise ValueError(f"{key}.{what}: no object is called '{name}'")
+        if self.render.sky and self.render.sky.parent is not None and self.render.sky.parent not in self.objects:
+            raise ValueError(f"render.sky.parent: no object is called '{self.render.sky.parent}'")
         for name, thing in self.objects.items():
             seen = {name}
             while thing.parent is not None:

@@ -57,6 +57,7 @@ BROKEN = [
     ("version: 1", "version: 1\ndescription: \x01", "unacceptable character #x0001"),
     ("version: 1", "version: 1\ndescription: " + "[" * 400 + "]" * 400, "line 2: nested in more than 32 levels"),
     ("version: 1", "version: 1\ndescription: " + "[" * 200_000 + "]" * 200_000, "line 2: nested in more than 32"),
+    ("version: 1", "version: 1\nrender: {sky: {parent: plane}}", "render.sky.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: plane, rotor", "objects.rotor.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: wall_0, rotor", "objects.rotor.rotor: 'wall_0' does not fly"),
     ("parent: drone, rotor", "parent: rotor, rotor", "objects.rotor.parent: is its own ancestor"),

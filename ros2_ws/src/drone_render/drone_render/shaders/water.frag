@@ -2,6 +2,7 @@
 #include "pixel.glsl"
 #ifdef SKY
 #include "sky.glsl"
+uniform vec3 horizon;
 #endif
 
 in vec3 surface;
