@@ -62,8 +62,9 @@ class OwnCollision(Strict):
 class Dynamics(Strict):
     """How motion is integrated: the scheme, and how many times the contacts are solved within a step."""
 
-    integrator: Literal["semi_implicit_euler"] = "semi_implicit_euler"
+    integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"
     substeps: Annotated[int, Field(ge=1, le=64)] = 8
+    sleep: bool = True  # whether what rests is left out until something touches it
 
 
 class Flight(Strict):

@@ -1,255 +1,240 @@
-"""Rigid bodies under forces and contacts: sub-steps with soft contacts, warm started.
+"""Contacts of rigid bodies: sequential impulses with soft constraints in sub-steps, warm started.
 
-Each sub-step integrates velocities, solves the contacts as stiff springs, integrates positions, and solves once
-more without the springs, so that what they pushed apart keeps no speed (Catto 2023, Solver2D, 'Soft Step'; the
-springs are those of Catto 2011, Soft Constraints). Detection runs once a step; the separations follow the bodies.
+Each sub-step solves the contacts as stiff springs before positions move, and once more without the springs after, so
+that what they pushed apart keeps no speed (Catto 2023, Solver2D, 'Soft Step'; the springs are those of Catto 2011, Soft
+Constraints). Detection runs once a step; the gaps follow the bodies.
+
+Groups of units come one after the other, the units of a group at once: they share no moving body. Within a unit the
+points meet by their couplings: the speeds of all are worked out at once, each impulse changes those of the points after
+it, and the bodies get the sum, which is what impulses one by one would do. Loops over lanes are without
+branches, and how many there are is a number that the compiler does not know: it would write each lane out.
 """
 
 import math
 
-import numpy as np
-
-from drone_sim.collision.detection import Detection
-from drone_sim.dynamics.integrators import move, push
-from drone_sim.effects import Forces
-from drone_sim.kernel import kernel
-from drone_sim.model import Model
-from drone_sim.program import Program
-from drone_sim.rotation import matrix, rotate
-from drone_sim.state import State
+from drone_sim.dynamics.constraints import (
+    ACROSS, ALONG, ANCHOR, CENTRE_A, CENTRE_B, FIELDS, FRICTION, GAP, IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12,
+    K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22, PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START,
+    TOTAL, TWIST_MASS, TWISTED, turn,
+)
+from drone_sim.kernel import inlined, kernel
 
 CONTACT_FREQUENCY = 30.0  # Hz; at most a quarter of the sub-steps' rate, above which no spring is stable
 DAMPING_RATIO = 10.0
 PUSH_OUT_SPEED = 0.8  # m/s, the fastest that overlapping bodies are parted
-BOUNCE_SPEED = 0.3  # m/s, below which nothing bounces
-BOUNCE_PASSES = 40  # at most; four corners need about ten
+L2, L3, L4, L5 = 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
+# A body's row: velocity, angular velocity; since detection the way, the rotation as axis times sine and 1 / (1 + cos);
+# whether something presses on it.
+WAY, PRESSED, ROW = 6, 13, 16
+# What is gathered of the bodies of a group: velocities of a and of b, then how they moved.
+VELOCITY_A, VELOCITY_B, WAY_A, WAY_B, PRESSING = (LANES * row for row in (0, 6, 12, 19, 26))
+GATHERED = 27 * LANES
+
+
+@inlined
+def gather(body, g, moving, s):
+    """Copies the velocities of a group's bodies side by side."""
+    for k in range(LANES):
+        a, b = body[g, 0, k], body[g, 1, k]
+        for c in range(6):
+            s[VELOCITY_A + c * LANES + k], s[VELOCITY_B + c * LANES + k] = moving[a, c], moving[b, c]
+
+
+@inlined
+def scatter(body, g, moving, s):
+    """Copies them back."""
+    for k in range(LANES):
+        a, b = body[g, 0, k], body[g, 1, k]
+        for c in range(6):
+            moving[a, c], moving[b, c] = s[VELOCITY_A + c * LANES + k], s[VELOCITY_B + c * LANES + k]
+
+
+@inlined
+def _apply(t, s, k, q, px, py, pz, rx, ry, rz, u, v, w):
+    """Gives both bodies the impulse q along the normal, whose sum over points times anchors is p for a and r for b, and
+    u, v along the tangents and w about the normal."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    fx = u * t[ALONG + k] + v * t[ACROSS + k]
+    fy = u * t[ALONG + LANES + k] + v * t[ACROSS + LANES + k]
+    fz = u * t[ALONG + L2 + k] + v * t[ACROSS + L2 + k]
+    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
+    ax, ay, az = turn(t, INERTIA_A, k, (py * z - pz * y) + (cy * fz - cz * fy) + w * x,
+                      (pz * x - px * z) + (cz * fx - cx * fz) + w * y, (px * y - py * x) + (cx * fy - cy * fx) + w * z)
+    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
+    bx, by, bz = turn(t, INERTIA_B, k, (ry * z - rz * y) + (cy * fz - cz * fy) + w * x,
+                      (rz * x - rx * z) + (cz * fx - cx * fz) + w * y, (rx * y - ry * x) + (cx * fy - cy * fx) + w * z)
+    fx, fy, fz = fx + q * x, fy + q * y, fz + q * z
+    m, n = t[LIGHT_A + k], t[LIGHT_B + k]
+    s[k], s[LANES + k], s[L2 + k] = s[k] - m * fx, s[LANES + k] - m * fy, s[L2 + k] - m * fz
+    s[L3 + k], s[L4 + k], s[L5 + k] = s[L3 + k] - ax, s[L4 + k] - ay, s[L5 + k] - az
+    e = VELOCITY_B + k
+    s[e], s[e + LANES], s[e + L2] = s[e] + n * fx, s[e + LANES] + n * fy, s[e + L2] + n * fz
+    s[e + L3], s[e + L4], s[e + L5] = s[e + L3] + bx, s[e + L4] + by, s[e + L5] + bz
+
+
+@inlined
+def _sum(t, at, q0, q1, q2, q3):
+    return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]
 
 
 @kernel
-def inverse_inertia(orientation, inertia, inverse_mass, out):
-    """Writes the inverse inertia tensors in the world, (n, 3, 3); zero for what does not move."""
-    for i in range(orientation.shape[0]):
-        if inverse_mass[i] == 0.0:
-            out[i] = 0.0
-            continue
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        for r in range(3):
-            for c in range(3):
-                out[i, r, c] = (m[3 * r] * m[3 * c] / inertia[i, 0] + m[3 * r + 1] * m[3 * c + 1] / inertia[i, 1]
-                                + m[3 * r + 2] * m[3 * c + 2] / inertia[i, 2])
+def warm_start(groups, body, table, moving, s):
+    """Applies the impulses of the last sub-step again, which are nearly those of this one. s: (GATHERED,) scratch."""
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        t = table[g]
+        gather(body, g, moving, s)
+        for k in range(lanes):
+            q0, q1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
+            q2, q3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
+            a = ANCHOR + k
+            _apply(t, s, k, q0 + q1 + q2 + q3,
+                   _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3),
+                   _sum(t, a + L3, q0, q1, q2, q3), _sum(t, a + L4, q0, q1, q2, q3), _sum(t, a + L5, q0, q1, q2, q3),
+                   t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k])
+        scatter(body, g, moving, s)
+
+
+@inlined
+def _impulse(t, k, p, speed, rate, scale, loss, per):
+    """The impulse at a point (k: its place in a row of four) that has had p and parts at this speed."""
+    # A gap may close within this sub-step, and no faster; an overlap is pushed apart.
+    gap, mass = t[GAP + k], t[MASS + k]
+    apart = gap > 0.0
+    push = max(rate * gap, -PUSH_OUT_SPEED)
+    bias = gap * per if apart else push
+    soft = mass * scale
+    mass = mass if apart else soft
+    kept = p - loss * p
+    kept = p if apart else kept
+    return max((kept - mass * bias) - mass * speed, 0.0)
+
+
+@inlined
+def speed_of(t, k, p, apart, ax, ay, az, bx, by, bz):
+    """The speed at which point p parts; apart: that of the bodies' centres, a, b: the normal times their spins."""
+    at = ANCHOR + 6 * LANES * p + k
+    return (apart + (bx * t[at + L3] + by * t[at + L4] + bz * t[at + L5])
+            - (ax * t[at] + ay * t[at + LANES] + az * t[at + L2]))
+
+
+@inlined
+def _follow(t, s, k):
+    """Brings the gaps to where the bodies are now: n ((R - 1) r) = r (n x v + f (v (n v) - n v^2)), with the rotation's
+    axis times its sine v and f = 1 / (1 + cos)."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    a, b = WAY_A + k, WAY_B + k
+    way = x * (s[b] - s[a]) + y * (s[b + LANES] - s[a + LANES]) + z * (s[b + L2] - s[a + L2])
+    u, v, w, f = s[a + L3], s[a + L4], s[a + L5], s[a + 6 * LANES]
+    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
+    ax, ay, az = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
+                  x * v - y * u + w * along - z * square)
+    u, v, w, f = s[b + L3], s[b + L4], s[b + L5], s[b + 6 * LANES]
+    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
+    bx, by, bz = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
+                  x * v - y * u + w * along - z * square)
+    t[GAP + k] = t[START + k] + speed_of(t, k, 0, way, ax, ay, az, bx, by, bz)
+    t[GAP + LANES + k] = t[START + LANES + k] + speed_of(t, k, 1, way, ax, ay, az, bx, by, bz)
+    t[GAP + L2 + k] = t[START + L2 + k] + speed_of(t, k, 2, way, ax, ay, az, bx, by, bz)
+    t[GAP + L3 + k] = t[START + L3 + k] + speed_of(t, k, 3, way, ax, ay, az, bx, by, bz)
+
+
+@inlined
+def _press(t, s, k, rate, scale, loss, per):
+    """Meets the normal conditions of a unit, then those of friction."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    wax, way, waz = s[L3 + k], s[L4 + k], s[L5 + k]
+    e = VELOCITY_B + k
+    wbx, wby, wbz = s[e + L3], s[e + L4], s[e + L5]
+    dx, dy, dz = s[e] - s[k], s[e + LANES] - s[LANES + k], s[e + L2] - s[L2 + k]
+    apart = x * dx + y * dy + z * dz
+    ax, ay, az = y * waz - z * way, z * wax - x * waz, x * way - y * wax
+    bx, by, bz = y * wbz - z * wby, z * wbx - x * wbz, x * wby - y * wbx
+    s0, s1 = speed_of(t, k, 0, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 1, apart, ax, ay, az, bx, by, bz)
+    s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
+    p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
+    p2, p3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
+    n0 = _impulse(t, k, p0, s0, rate, scale, loss, per)
+    q0 = n0 - p0
+    s1, s2, s3 = s1 + t[K01 + k] * q0, s2 + t[K02 + k] * q0, s3 + t[K03 + k] * q0
+    n1 = _impulse(t, LANES + k, p1, s1, rate, scale, loss, per)
+    q1 = n1 - p1
+    s2, s3 = s2 + t[K12 + k] * q1, s3 + t[K13 + k] * q1
+    n2 = _impulse(t, L2 + k, p2, s2, rate, scale, loss, per)
+    q2 = n2 - p2
+    s3 = s3 + t[K23 + k] * q2
+    n3 = _impulse(t, L3 + k, p3, s3, rate, scale, loss, per)
+    q3 = n3 - p3
+    t[IMPULSE + k], t[IMPULSE + LANES + k], t[IMPULSE + L2 + k], t[IMPULSE + L3 + k] = n0, n1, n2, n3
+    a = ANCHOR + k
+    q = q0 + q1 + q2 + q3
+    px, py, pz = _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3)
+    rx, ry, rz = _sum(t, a + L3, q0, q1, q2, q3), _sum(t, a + L4, q0, q1, q2, q3), _sum(t, a + L5, q0, q1, q2, q3)
+    # What the bodies will have of it, for friction
+    ax, ay, az = turn(t, INERTIA_A, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
+    bx, by, bz = turn(t, INERTIA_B, k, ry * z - rz * y, rz * x - rx * z, rx * y - ry * x)
+    wax, way, waz, wbx, wby, wbz = wax - ax, way - ay, waz - az, wbx + bx, wby + by, wbz + bz
+    f = (t[LIGHT_A + k] + t[LIGHT_B + k]) * q
+    dx, dy, dz = dx + f * x, dy + f * y, dz + f * z
+    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
+    dx, dy, dz = dx - (way * cz - waz * cy), dy - (waz * cx - wax * cz), dz - (wax * cy - way * cx)
+    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
+    dx, dy, dz = dx + (wby * cz - wbz * cy), dy + (wbz * cx - wbx * cz), dz + (wbx * cy - wby * cx)
+    pressed = n0 + n1 + n2 + n3
+    limit = t[FRICTION + k] * pressed
+    u = dx * t[ALONG + k] + dy * t[ALONG + LANES + k] + dz * t[ALONG + L2 + k]
+    v = dx * t[ACROSS + k] + dy * t[ACROSS + LANES + k] + dz * t[ACROSS + L2 + k]
+    p0, p1, p2 = t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k]
+    q0 = p0 - (t[MASS_11 + k] * u + t[MASS_12 + k] * v)
+    q1 = p1 - (t[MASS_12 + k] * u + t[MASS_22 + k] * v)
+    square = q0 * q0 + q1 * q1
+    shrink = limit / math.sqrt(square)
+    shrink = shrink if square > limit * limit else 1.0  # Coulomb's cone
+    q0, q1 = q0 * shrink, q1 * shrink
+    limit = limit * t[RADIUS + k]
+    q2 = p2 - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
+    q2 = min(max(q2, -limit), limit)
+    t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k] = q0, q1, q2
+    _apply(t, s, k, q, px, py, pz, rx, ry, rz, q0 - p0, q1 - p1, q2 - p2)
+    s[PRESSING + k] = pressed
 
 
 @kernel
-def tangents(x, y, z):
-    """Two unit vectors that make a right-handed frame with the unit vector (Duff et al. 2017, Building an
-    Orthonormal Basis, Revisited)."""
-    sign = 1.0 if z >= 0.0 else -1.0
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return 1.0 + sign * x * x * a, sign * b, -sign * x, b, sign + y * y * a, -y
-
-
-@kernel
-def _effective_mass(inverse_mass, tensor, a, b, ra, rb, x, y, z):
-    """Mass that an impulse along (x, y, z) at the anchors feels."""
-    total = inverse_mass[a] + inverse_mass[b]
-    for i, r in ((a, ra), (b, rb)):
-        if inverse_mass[i] > 0.0:
-            cx, cy, cz = r[1] * z - r[2] * y, r[2] * x - r[0] * z, r[0] * y - r[1] * x
-            t = tensor[i]
-            total += (cx * (t[0, 0] * cx + t[0, 1] * cy + t[0, 2] * cz)
-                      + cy * (t[1, 0] * cx + t[1, 1] * cy + t[1, 2] * cz)
-                      + cz * (t[2, 0] * cx + t[2, 1] * cy + t[2, 2] * cz))
-    return 1.0 / total if total > 0.0 else 0.0
-
-
-@kernel
-def prepare(count, pair, points, normal, anchor, velocity, angular, inverse_mass, tensor, frame, mass, speed):
-    """For every contact point, from its anchors on a and b (2 vectors, world), writes the effective masses along the
-    normal and two tangents, and the speed at which they part. For every manifold: frame, rows normal and tangents."""
-    for i in range(count):
-        a, b = pair[i, 0], pair[i, 1]
-        for c in range(3):
-            frame[i, 0, c] = normal[i, c]
-        basis = tangents(normal[i, 0], normal[i, 1], normal[i, 2])
-        for c in range(3):
-            frame[i, 1, c], frame[i, 2, c] = basis[c], basis[3 + c]
-        for k in range(points[i]):
-            for axis in range(3):
-                mass[i, k, axis] = _effective_mass(inverse_mass, tensor, a, b, anchor[i, k, 0], anchor[i, k, 1],
-                                                   frame[i, axis, 0], frame[i, axis, 1], frame[i, axis, 2])
-            speed[i, k] = _parting_speed(velocity, angular, a, b, anchor[i, k], frame[i, 0])
-
-
-@kernel
-def _parting_speed(velocity, angular, a, b, anchor, axis):
-    """Speed of b's anchor relative to a's along an axis."""
-    ra, rb = anchor[0], anchor[1]
-    x = (velocity[b, 0] + angular[b, 1] * rb[2] - angular[b, 2] * rb[1]
-         - velocity[a, 0] - angular[a, 1] * ra[2] + angular[a, 2] * ra[1])
-    y = (velocity[b, 1] + angular[b, 2] * rb[0] - angular[b, 0] * rb[2]
-         - velocity[a, 1] - angular[a, 2] * ra[0] + angular[a, 0] * ra[2])
-    z = (velocity[b, 2] + angular[b, 0] * rb[1] - angular[b, 1] * rb[0]
-         - velocity[a, 2] - angular[a, 0] * ra[1] + angular[a, 1] * ra[0])
-    return x * axis[0] + y * axis[1] + z * axis[2]
-
-
-@kernel
-def _apply(velocity, angular, inverse_mass, tensor, a, b, anchor, x, y, z):
-    """Gives the impulse (x, y, z) to b at its anchor and its opposite to a."""
-    for side in range(2):
-        i = b if side == 1 else a
-        if inverse_mass[i] == 0.0:
-            continue
-        sign = 1.0 if side == 1 else -1.0
-        r, t = anchor[side], tensor[i]
-        lx, ly, lz = sign * (r[1] * z - r[2] * y), sign * (r[2] * x - r[0] * z), sign * (r[0] * y - r[1] * x)
-        velocity[i, 0] += sign * x * inverse_mass[i]
-        velocity[i, 1] += sign * y * inverse_mass[i]
-        velocity[i, 2] += sign * z * inverse_mass[i]
-        for c in range(3):
-            angular[i, c] += t[c, 0] * lx + t[c, 1] * ly + t[c, 2] * lz
-
-
-@kernel
-def _parted(start, position, turn, a, b, anchor, separation, axis):
-    """Separation of a contact now: what it was, and how far the anchors have moved apart since, turning with the
-    bodies. start: (n, 3) positions at detection, turn: (n, 4) rotations since."""
-    now = separation
-    for side in range(2):
-        i = b if side == 1 else a
-        sign = 1.0 if side == 1 else -1.0
-        r = anchor[side]
-        q = rotate(turn[i, 0], turn[i, 1], turn[i, 2], turn[i, 3], r[0], r[1], r[2])
-        for c in range(3):
-            now += sign * axis[c] * (position[i, c] - start[i, c] + q[c] - r[c])
-    return now
-
-
-@kernel
-def solve(count, pair, points, frame, anchor, mass, separation, impulse, friction, start, position, turn, velocity,
-          angular, inverse_mass, tensor, h, soft):
-    """One pass over all contacts: impulses that meet the normal and friction conditions, with springs if `soft`."""
+def press_apart(groups, body, table, moving, s, h):
+    """One pass over all contacts with springs, for a sub-step of h s; marks who is pressed on."""
     frequency = min(CONTACT_FREQUENCY, 0.25 / h)
     omega = 2.0 * math.pi * frequency
     a1 = 2.0 * DAMPING_RATIO + h * omega
     a2 = h * omega * a1
-    spring_rate, spring_mass, spring_loss = omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)
-    for i in range(count):
-        a, b = pair[i, 0], pair[i, 1]
-        mu = math.sqrt(friction[a] * friction[b])
-        for k in range(points[i]):
-            r, p = anchor[i, k], impulse[i, k]
-            s = _parted(start, position, turn, a, b, r, separation[i, k], frame[i, 0])
-            bias, scale, loss = 0.0, 1.0, 0.0
-            if s > 0.0:
-                bias = s / h  # may close the gap within this sub-step, and no faster
-            elif soft:
-                bias, scale, loss = max(spring_rate * s, -PUSH_OUT_SPEED), spring_mass, spring_loss
-            speed = _parting_speed(velocity, angular, a, b, r, frame[i, 0])
-            wanted = max(p[0] - mass[i, k, 0] * scale * (speed + bias) - loss * p[0], 0.0)
-            change = wanted - p[0]
-            p[0] = wanted
-            _apply(velocity, angular, inverse_mass, tensor, a, b, r,
-                   change * frame[i, 0, 0], change * frame[i, 0, 1], change * frame[i, 0, 2])
-        for k in range(points[i]):
-            r, p = anchor[i, k], impulse[i, k]
-            u = p[1] - mass[i, k, 1] * _parting_speed(velocity, angular, a, b, r, frame[i, 1])
-            v = p[2] - mass[i, k, 2] * _parting_speed(velocity, angular, a, b, r, frame[i, 2])
-            length, limit = math.sqrt(u * u + v * v), mu * p[0]
-            if length > limit:  # Coulomb's cone
-                u, v = u * limit / length, v * limit / length
-            du, dv = u - p[1], v - p[2]
-            p[1], p[2] = u, v
-            _apply(velocity, angular, inverse_mass, tensor, a, b, r,
-                   du * frame[i, 1, 0] + dv * frame[i, 2, 0], du * frame[i, 1, 1] + dv * frame[i, 2, 1],
-                   du * frame[i, 1, 2] + dv * frame[i, 2, 2])
+    rate, scale, loss, per = omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), 1.0 / h
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        gather(body, g, moving, s)
+        t = table[g]
+        for k in range(lanes):
+            _press(t, s, k, rate, scale, loss, per)
+        scatter(body, g, moving, s)
+        for k in range(LANES):
+            if s[PRESSING + k] > 0.0:
+                moving[body[g, 0, k], PRESSED] = moving[body[g, 1, k], PRESSED] = 1.0
 
 
 @kernel
-def warm_start(count, pair, points, frame, anchor, impulse, velocity, angular, inverse_mass, tensor):
-    """Applies the impulses of the last sub-step again, which are nearly those of this one."""
-    for i in range(count):
-        for k in range(points[i]):
-            p, f = impulse[i, k], frame[i]
-            _apply(velocity, angular, inverse_mass, tensor, pair[i, 0], pair[i, 1], anchor[i, k],
-                   p[0] * f[0, 0] + p[1] * f[1, 0] + p[2] * f[2, 0],
-                   p[0] * f[0, 1] + p[1] * f[1, 1] + p[2] * f[2, 1],
-                   p[0] * f[0, 2] + p[1] * f[1, 2] + p[2] * f[2, 2])
-
-
-@kernel
-def bounce(count, pair, points, frame, anchor, mass, impulse, total, speed, restitution, velocity, angular,
-           inverse_mass, tensor):
-    """Gives back speed to contacts that met at more than BOUNCE_SPEED (the greater restitution of the two).
-
-    The points of a contact share one body, so several passes are needed until each has its own speed.
-    """
-    for i in range(count):
-        a, b = pair[i, 0], pair[i, 1]
-        e = max(restitution[a], restitution[b])
-        for _ in range(BOUNCE_PASSES if e > 0.0 else 0):
-            unmet = 0.0
-            for k in range(points[i]):
-                if speed[i, k] > -BOUNCE_SPEED or total[i, k] == 0.0:
-                    continue
-                missing = -e * speed[i, k] - _parting_speed(velocity, angular, a, b, anchor[i, k], frame[i, 0])
-                wanted = max(impulse[i, k, 0] + mass[i, k, 0] * missing, 0.0)
-                change = wanted - impulse[i, k, 0]
-                impulse[i, k, 0] = wanted
-                total[i, k] += change
-                unmet = max(unmet, abs(missing))
-                _apply(velocity, angular, inverse_mass, tensor, a, b, anchor[i, k],
-                       change * frame[i, 0, 0], change * frame[i, 0, 1], change * frame[i, 0, 2])
-            if unmet < 0.01 * BOUNCE_SPEED:
-                break
-
-
-@kernel
-def sum_impulses(count, points, impulse, total):
-    """Adds the normal impulses of a sub-step to those of the step."""
-    for i in range(count):
-        for k in range(points[i]):
-            total[i, k] += impulse[i, k, 0]
-
-
-class Motion:
-    """The stage that moves all bodies by one step under `force_w`, `torque_w` and the contacts found."""
-
-    def __init__(self, model: Model, state: State, detection: Detection, acting: Program, forces: Forces,
-                 dt: float, substeps: int) -> None:
-        self._bodies, self._state, self._detection = model.bodies, state, detection
-        self._acting, self._forces = acting, forces
-        self._h, self._substeps = dt / substeps, substeps
-        n = model.bodies.count
-        self._tensor = np.empty((n, 3, 3))
-        self._start, self._turn = np.empty((n, 3)), np.empty((n, 4))
-        self._grow(64)
-
-    def _grow(self, capacity: int) -> None:
-        self._frame = np.empty((capacity, 3, 3))
-        self._mass = np.empty((capacity, 8, 3))
-        self._speed = np.empty((capacity, 8))
-
-    def __call__(self) -> None:
-        bodies, s, m, h = self._bodies, self._state, self._detection.manifolds, self._h
-        if m.capacity > len(self._frame):
-            self._grow(m.capacity)
-        inverse_inertia(s.orientation_w, bodies.inertia_b, bodies.inverse_mass, self._tensor)
-        moving = (s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, self._tensor)
-        prepare(m.count, m.pair, m.points, m.normal_w, m.anchor_w, *moving, self._frame, self._mass, self._speed)
-        m.total[: m.count] = 0.0
-        self._start[:] = s.position_w
-        self._turn[:] = (0.0, 0.0, 0.0, 1.0)
-        contacts = (m.count, m.pair, m.points, self._frame, m.anchor_w)
-        gap = (self._mass, m.separation, m.impulse, bodies.friction, self._start, s.position_w, self._turn)
-        for _ in range(self._substeps):
-            self._acting.run(1)
-            push(s.orientation_w, s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, bodies.inertia_b,
-                 self._forces.force_w, self._forces.torque_w, h)
-            warm_start(*contacts, m.impulse, *moving)
-            solve(*contacts, *gap, *moving, h, True)
-            move(s.position_w, s.orientation_w, self._turn, s.velocity_w, s.angular_velocity_w, bodies.movable, h)
-            solve(*contacts, *gap, *moving, h, False)
-            sum_impulses(m.count, m.points, m.impulse, m.total)
-        bounce(*contacts, self._mass, m.impulse, m.total, self._speed, bodies.restitution, *moving)
+def relax(groups, body, table, moving, s, h):
+    """The last pass of a sub-step of h s, without springs, once bodies have moved; adds up the impulses."""
+    per = 1.0 / h
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        gather(body, g, moving, s)
+        for k in range(LANES):
+            a, b = body[g, 0, k], body[g, 1, k]
+            for c in range(7):
+                s[WAY_A + c * LANES + k], s[WAY_B + c * LANES + k] = moving[a, WAY + c], moving[b, WAY + c]
+        t = table[g]
+        for k in range(lanes):
+            _follow(t, s, k)
+        for k in range(lanes):
+            _press(t, s, k, 0.0, 1.0, 0.0, per)
+        for k in range(L4):
+            t[TOTAL + k] += t[IMPULSE + k]
+        scatter(body, g, moving, s)
