@@ -13,6 +13,7 @@ from drone_render.edges import EdgePass
 from drone_render.frame import Frame, Sun
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
+from drone_render.ranges import RangePass
 from drone_render.shore import Shore, survey
 from drone_render.sky import SkyColours, SkyPass
 from drone_render.solid import TOLERANCE, SolidPass
@@ -38,6 +39,7 @@ class Renderer:
         self._device = Device(context)
         self._lighting = Lighting(self.hierarchy)
         self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
+        self._ranges: RangePass | None = None
         self._edges = None if scene.render.antialiasing is None else EdgePass(self._device)
         try:
             self._load()
@@ -80,7 +82,11 @@ class Renderer:
         if render.sky is not None and colours is not None:
             self._sky = SkyPass(self._device, render, render.sky, colours, has_sun)
         self._background = render.ambient
-        for camera in scene.cameras.values():
+        self._aim()
+
+    def _aim(self) -> None:
+        """Makes what cameras draw into, one for each size."""
+        for camera in self.scene.cameras.values():
             if camera.size not in self._targets:
                 self._targets[camera.size] = (
                     self._device.target(camera.size) if self._edges is None else self._edges.target(camera.size)
@@ -108,23 +114,26 @@ class Renderer:
         for name in self.scene.cameras:
             self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
 
-    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> Array:
-        """Draws what a camera sees into `picture`, which has its size; returns its matrix (4, 4) in the world.
-
-        poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
-        """
+    def _frame(self, name: str, world: Array, time: float) -> Frame:
         camera = self.scene.cameras[name]
-        world = self.hierarchy.world(poses)
         place = self.hierarchy.camera(name, world, time)
         sun = None
         if self._sun is not None:
             sun = Sun(self._lighting.places(world)[self._sun, :3, 3], self._lighting.colours[self._sun])
         clip = view.projection(camera) @ view.view(place)
         half = math.tan(camera.fov / 2)
-        frame = Frame(
-            time, place, clip, (half, half * camera.size[1] / camera.size[0]), 2 * half / camera.size[0], sun
-        )  # fmt: skip
-        target = self._begin(camera.size)
+        tangents = half, half * camera.size[1] / camera.size[0]
+        return Frame(time, place, clip, tangents, 2 * half / camera.size[0], sun)
+
+    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> Array:
+        """Draws what a camera sees into `picture`, which has its size; returns its matrix (4, 4) in the world.
+
+        poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
+        """
+        size = self.scene.cameras[name].size
+        world = self.hierarchy.world(poses)
+        frame = self._frame(name, world, time)
+        target = self._begin(size)
         self._solid.draw(frame, world)
         if self._water is not None:
             self._water.begin(frame)
@@ -133,10 +142,33 @@ class Renderer:
         if self._sky is not None:
             self._sky.draw(frame, self._domes(frame, world))
         if self._edges is not None:
-            target = self._edges.draw(camera.size)
+            target = self._edges.draw(size)
         self._wait()
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
-        return place
+        return frame.camera
+
+    def measure(self, name: str, poses: Array, time: float, depth: Picture, labels: Picture) -> Array:
+        """The same for how far away a camera's pixels are (32FC1, m along its optical axis, inf for the sky) and which
+        objects they show (16UC1, numbers from 1 in the scene's order, 0 for none)."""
+        if self._ranges is None:
+            self._ranges = RangePass(self._device)
+        world = self.hierarchy.world(poses)
+        frame = self._frame(name, world, time)
+        self._context.front_face, self._context.depth_func = "cw", "<="
+        self._ranges.begin(self.scene.cameras[name].size, packed(frame.view_projection.T))
+        self._solid.measure(frame, world, self._ranges)
+        if self._water is not None:
+            for row in np.flatnonzero(self._is_water):
+                self._ranges.place(packed(world[row].T), int(row))
+                self._water.measure(self._models[row], self._ranges.program)
+        self._wait()
+        self._ranges.read(depth, labels)
+        return frame.camera
+
+    def adopt(self, scene: Scene) -> None:
+        """Goes on with the same scene with other cameras."""
+        self.scene = self.hierarchy.scene = scene
+        self._aim()
 
     def _domes(self, frame: Frame, world: Array) -> Array:
         """The middle of the sky's domes, (3,)."""

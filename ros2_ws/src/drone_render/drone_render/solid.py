@@ -1,6 +1,7 @@
 """Solid things: which of them are seen, by which lights, how finely, and in which order they are drawn."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -11,13 +12,24 @@ from drone_render.context import Device, packed, write
 from drone_render.edges import marks
 from drone_render.frame import Frame
 from drone_render.hierarchy import LIGHTS, Lighting
+from drone_render.ranges import RangePass
 from drone_render.shaders import Variant
-from drone_render.surface import Maps, Surfaces
+from drone_render.surface import Level, Maps, Surfaces
 from drone_render.view import Array
 from drone_sim.look import Render
 from drone_sim.mesh import Model
 
 TOLERANCE = 1.0  # pixels that a level of detail may be off by
+
+
+class Seen(NamedTuple):
+    """Pieces in the order in which they are drawn: their numbers, centres (m, 3) in the world, transposed matrices
+    (m, 4, 4), levels of detail."""
+
+    pieces: npt.NDArray[np.intp]
+    centres: Array
+    matrices: npt.NDArray[np.float32]
+    levels: list[Level]
 
 
 class SolidPass:
@@ -56,8 +68,8 @@ class SolidPass:
                     piece.surface.maps.use(array.program)
                     array.render()
 
-    def draw(self, frame: Frame, world: Array) -> None:
-        """Draws what the camera sees of the objects at their matrices (n, 4, 4)."""
+    def _seen(self, frame: Frame, world: Array) -> Seen:
+        """What the camera sees of the objects at their matrices (n, 4, 4)."""
         places = world[self._rows]
         centres = np.einsum("nij,nj->ni", places[:, :3, :3], self._centres) + places[:, :3, 3]
         planes = view.frustum(frame.view_projection)
@@ -67,18 +79,30 @@ class SolidPass:
         order = np.argsort(away + self._radii[seen], kind="stable")
         seen, away = seen[order], away[order]
         allowed = self._tolerance * frame.pixel * np.maximum(away - self._radii[seen], 0.0)
+        matrices = np.ascontiguousarray(places[seen].transpose(0, 2, 1), dtype=np.float32)
+        levels = [self._pieces[i].level(most) for i, most in zip(seen.tolist(), allowed.tolist(), strict=True)]
+        return Seen(seen, centres[seen], matrices, levels)
 
+    def measure(self, frame: Frame, world: Array, ranges: RangePass) -> None:
+        """Draws the shapes that the camera sees, for their distances."""
+        index, _, matrices, levels = self._seen(frame, world)
+        for i, matrix, level in zip(index.tolist(), matrices, levels, strict=True):
+            ranges.place(matrix, int(self._rows[i]))
+            self._pieces[i].surface.shape(ranges.program).render(vertices=level.corners, first=level.first)
+
+    def draw(self, frame: Frame, world: Array) -> None:
+        """Draws what the camera sees of the objects at their matrices (n, 4, 4)."""
+        seen, centres, matrices, levels = self._seen(frame, world)
         lighting = self._lighting
         lamps = lighting.places(world)
         lights = lighting.uniforms(lamps)
-        chosen = lighting.strongest(lamps, self._rows[seen], centres[seen], self._radii[seen])
-        matrices = np.ascontiguousarray(places[seen].transpose(0, 2, 1), dtype=np.float32)
+        chosen = lighting.strongest(lamps, self._rows[seen], centres, self._radii[seen])
         shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
         shared["view_projection"] = frame.view_projection.T
         uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
         used: tuple[moderngl.Program, Maps] | None = None
-        for i, matrix, numbers, most in zip(seen.tolist(), matrices, chosen, allowed.tolist(), strict=True):
+        for i, matrix, numbers, level in zip(seen.tolist(), matrices, chosen, levels, strict=True):
             piece = self._pieces[i]
             surface = piece.surface
             array = surface.array(len(numbers))
@@ -89,10 +113,9 @@ class SolidPass:
             if used != (program, surface.maps):
                 used = program, surface.maps
                 surface.maps.use(program)
-            program["model"].write(matrix)  # type: ignore[union-attr]
+            program["model"].write(matrix)
             if self._marks:
-                program["mark"].write(self._marks[i])  # type: ignore[union-attr]
+                program["mark"].write(self._marks[i])
             if numbers:
-                program["lights"].write(lights[list(numbers)])  # type: ignore[union-attr]
-            first, count, _ = piece.level(most)
-            array.render(vertices=count, first=first)
+                program["lights"].write(lights[list(numbers)])
+            array.render(vertices=level.corners, first=level.first)

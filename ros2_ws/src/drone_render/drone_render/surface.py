@@ -118,6 +118,7 @@ class Surface:
         self._attributes: list[tuple[moderngl.Buffer, str, str]] = []
         self._index: moderngl.Buffer | None = None
         self._arrays: dict[int, moderngl.VertexArray] = {}
+        self._shapes: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def upload(self, kept: npt.NDArray[np.bool_]) -> list[Piece]:
         """Puts all levels on the device; `kept` (n,): vertices that none may leave out, as others end there, too."""
@@ -158,6 +159,12 @@ class Surface:
                 program[name] = unit
             self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
         return self._arrays[lights]
+
+    def shape(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """What to draw with a program that takes its shape alone."""
+        if program not in self._shapes:
+            self._shapes[program] = self._device.vertex_array(program, self._attributes, self._index)
+        return self._shapes[program]
 
 
 class Surfaces:

@@ -38,7 +38,7 @@ class WaterPass:
         if shore is not None:
             write(self._program, square=shore.square)
         self._device = device
-        self._arrays: dict[Path, list[moderngl.VertexArray]] = {}
+        self._arrays: dict[tuple[Path, moderngl.Program], list[moderngl.VertexArray]] = {}
         number = 2 * math.pi / WAVE_LENGTHS
         heading = np.cos(WAVE_HEADINGS), np.sin(WAVE_HEADINGS)
         slope = math.pi * water.wave_height * WAVE_SHARES
@@ -69,12 +69,16 @@ class WaterPass:
 
     def draw(self, model: Model, matrix: bytes) -> None:
         """Draws one body of water."""
-        if model.path not in self._arrays:
-            self._arrays[model.path] = [self._upload(part) for part in model.parts]
         self._program["model"].write(matrix)  # type: ignore[union-attr]
-        for array in self._arrays[model.path]:
+        self.measure(model, self._program)
+
+    def measure(self, model: Model, program: moderngl.Program) -> None:
+        """Draws the shape of one with another program."""
+        if (model.path, program) not in self._arrays:
+            self._arrays[model.path, program] = [self._upload(program, part) for part in model.parts]
+        for array in self._arrays[model.path, program]:
             array.render()
 
-    def _upload(self, part: Part) -> moderngl.VertexArray:
+    def _upload(self, program: moderngl.Program, part: Part) -> moderngl.VertexArray:
         attributes = [(self._device.buffer(part.vertices), "3f", "position")]
-        return self._device.vertex_array(self._program, attributes, self._device.buffer(part.faces))
+        return self._device.vertex_array(program, attributes, self._device.buffer(part.faces))

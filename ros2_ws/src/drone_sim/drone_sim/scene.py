@@ -6,12 +6,14 @@ Effects stay as the scene words them: each effect validates its own parameters (
 """
 
 import hashlib
+import json
 import re
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, PositiveFloat, ValidationError, model_validator
+from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError, model_validator
 
 from drone_sim.assets import asset_path
 from drone_sim.look import Camera, Light, Render
@@ -204,6 +206,17 @@ class Scene(Strict):
         """The object of that name, or the objects of the group."""
         group = re.compile(rf"{re.escape(name)}_\d+")
         return [name] if name in self.objects else [other for other in self.objects if group.fullmatch(other)]
+
+    def with_cameras(self, text: str) -> "Scene":
+        """The same with more cameras, in YAML as under 'cameras'; equal names replace. Raises SceneError."""
+        try:
+            words = json.loads(as_json(f"cameras:\n{textwrap.indent(text, '  ')}".encode())).get("cameras")
+            added = TypeAdapter(dict[Name, Camera]).validate_json(json.dumps(words), strict=True)
+            return Scene.model_validate({**dict(self), "cameras": {**self.cameras, **added}})
+        except ValidationError as error:
+            raise SceneError(first_error(error, Scene, ("cameras",) if error.title != "Scene" else ())) from None
+        except ValueError as error:
+            raise SceneError(str(error)) from None
 
     def _things(self) -> Iterator[tuple[str, Object | Light | Camera]]:
         for kind in ("objects", "lights", "cameras"):
