@@ -105,6 +105,14 @@ class Device:
         self._releases.append(array.release)
         return array
 
+    def instances(
+        self, program: moderngl.Program, attributes: Iterable[tuple[moderngl.Buffer, str, str, str, str]]
+    ) -> moderngl.VertexArray:
+        """What a program draws once for each row of the buffers; attributes as moderngl has them."""
+        array = self.context.vertex_array(program, list(attributes))
+        self._releases.append(array.release)
+        return array
+
     def target(self, size: tuple[int, int], components: int = 4, dtype: str = "f1") -> moderngl.Framebuffer:
         """Colour and depth of a picture."""
         colour, depth = self.context.renderbuffer(size, components, dtype=dtype), self.context.depth_renderbuffer(size)

@@ -24,6 +24,7 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 from drone_render import context
+from drone_render.debug_view import DebugView
 from drone_render.film import FilmError, Reel
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
@@ -78,6 +79,7 @@ class RenderNode(Node):
         self.create_subscription(String, "camera/select", self._on_select, LATCHED)
         self.create_subscription(String, "camera/add", self._on_add, 10)
         self.create_service(Trigger, "~/save_image", self._on_save_image)
+        self._debug = DebugView(self)
         self._names = self.create_publisher(String, "camera/labels", LATCHED)
         self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
@@ -256,6 +258,9 @@ class RenderNode(Node):
         self._tf_static.publish(rigid_transforms(cameras))
 
     def _draw(self, due: Due) -> None:
+        changed, lines = self._debug.take()
+        if changed and self._renderer is not None:
+            self._renderer.show(lines)
         poses = due.moment.poses()
         for name, shutter in self._shutters.items():
             filmed = due.film and name == self._selected

@@ -13,6 +13,8 @@ from drone_render.edges import EdgePass
 from drone_render.frame import Frame, Sun
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
+from drone_render.lines import Lines
+from drone_render.overlay import LinePass
 from drone_render.ranges import RangePass
 from drone_render.shore import Shore, survey
 from drone_render.sky import SkyColours, SkyPass
@@ -40,6 +42,8 @@ class Renderer:
         self._lighting = Lighting(self.hierarchy)
         self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
         self._ranges: RangePass | None = None
+        self._overlay: LinePass | None = None  # as it was last
+        self._lines: LinePass | None = None  # if it is shown
         self._edges = None if scene.render.antialiasing is None else EdgePass(self._device)
         try:
             self._load()
@@ -141,6 +145,8 @@ class Renderer:
                 self._water.draw(self._models[row], packed(world[row].T))
         if self._sky is not None:
             self._sky.draw(frame, self._domes(frame, world))
+        if self._lines is not None:
+            self._lines.draw(frame.view_projection, size, self.scene.cameras[name].near)
         if self._edges is not None:
             target = self._edges.draw(size)
         self._wait()
@@ -164,6 +170,14 @@ class Renderer:
         self._wait()
         self._ranges.read(depth, labels)
         return frame.camera
+
+    def show(self, lines: Lines | None) -> None:
+        """Draws lines over the pictures from now on; none for None."""
+        if lines is not None and self._overlay is None:
+            self._overlay = LinePass(self._device)
+        if lines is not None and self._overlay is not None:
+            self._overlay.show(lines)
+        self._lines = None if lines is None else self._overlay
 
     def adopt(self, scene: Scene) -> None:
         """Goes on with the same scene with other cameras."""
