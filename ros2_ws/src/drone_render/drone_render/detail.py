@@ -128,11 +128,11 @@ def _collapse(
     # Half-edges between places; the vertices at their ends differ where a seam runs along.
     start, end = faces[:, [0, 1, 2, 1, 2, 0]].ravel(), faces[:, [1, 2, 0, 0, 1, 2]].ravel()
     count = len(kept)
-    _, edge, shared = np.unique(place[start].astype(np.int64) * count + place[end], return_inverse=True,
-                                return_counts=True)
-    edge = edge.ravel()
-    wedges = np.unique(np.column_stack([edge, start, end]), axis=0)
-    edge_of, u, v = wedges.T
+    pair, along = np.unique(start.astype(np.int64) * len(points) + end, return_counts=True)
+    u, v = np.divmod(pair, len(points))
+    _, edge_of = np.unique(place[u] * np.int64(count) + place[v], return_inverse=True)
+    edge_of = edge_of.ravel()
+    shared = np.bincount(edge_of, weights=along)
     source, target = np.empty(len(shared), np.intp), np.empty(len(shared), np.intp)
     source[edge_of], target[edge_of] = place[u], place[v]
 
@@ -143,7 +143,7 @@ def _collapse(
     border[source[shared != 2]] = True
     movable &= ~(border[source] & (shared == 2))
     homogeneous = np.hstack([points[v], np.ones((len(v), 1))])
-    price = np.maximum(np.einsum("wi,wij,wj->w", homogeneous, quadrics[u], homogeneous), 0.0)
+    price = np.maximum(((quadrics[u] @ homogeneous[:, :, None])[:, :, 0] * homogeneous).sum(axis=1), 0.0)
     cost = np.bincount(edge_of, weights=price, minlength=len(shared))
     mass = np.bincount(edge_of, weights=weight[u], minlength=len(shared))
     off = np.sqrt(cost / np.maximum(mass, 1e-30))
