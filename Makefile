@@ -42,6 +42,8 @@ hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minute
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
+	@$(RUN) figures/picture.py
+	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
 
