@@ -82,17 +82,12 @@ class Lighting:
         """The sun, if it is so far away that its rays are parallel: drawn apart from the other lights."""
         if self.parallel is not None:
             self.colours[self.parallel] *= daylight.sun(hierarchy.scene.render.daylight)
-        self._cut = np.where(self.falloff > 0, DARK, 0.0)
+        self._cut = np.where(self.falloff > 0, DARK, 0.0)  # taken off, so that a light ends somewhere
         self.lit = np.array(
             [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
             dtype=np.bool_,
         ).reshape(len(hierarchy.names), len(lights))
         """(objects, lights): False for the lights of an object itself and of whatever it hangs on."""
-
-    @property
-    def cut(self) -> Array:
-        """What is taken off each light's brightness, (lights,), so that it ends at a finite distance."""
-        return self._cut
 
     def places(self, world: Array) -> Array:
         """Matrices (lights, 4, 4) of all lights in the world."""

@@ -209,6 +209,8 @@ class Scene(Strict):
 
     def with_cameras(self, text: str) -> "Scene":
         """The same with more cameras, in YAML as under 'cameras'; equal names replace. Raises SceneError."""
+        if len(text) > FILE_SIZE_LIMIT:
+            raise SceneError(f"cameras: more than {FILE_SIZE_LIMIT} characters, which no camera needs")
         try:
             words = json.loads(as_json(f"cameras:\n{textwrap.indent(text, '  ')}".encode())).get("cameras")
             added = TypeAdapter(dict[Name, Camera]).validate_json(json.dumps(words), strict=True)
