@@ -28,15 +28,17 @@ SMOOTH = "ours, edges smoothed"
 VIEWS = (0, 60, 111, 170, 222)  # pictures that are compared
 
 
-def start() -> dict[str, Worker]:
-    """All renderers that work here."""
-    workers = {}
+def start() -> tuple[dict[str, Worker], dict[str, str]]:
+    """All renderers that work here, and how they draw."""
+    workers, about = {name: Worker(name) for name in PEERS}, {}
     for name in PEERS:
         try:
-            workers[name] = Worker(name)
+            about[name] = workers[name].about()
+            print(f"{name}: {about[name]}", flush=True)
         except RuntimeError as error:
+            workers.pop(name).close()
             print(f"{name}: left out: {error}", flush=True)
-    return workers
+    return workers, about
 
 
 def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictures: int) -> Iterator[Row]:
@@ -80,13 +82,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer rounds, under a minute")
     rounds, pictures = (3, 5) if parser.parse_args().quick else (9, 15)
-    workers = start()
+    workers, about = start()
     rows = []
     try:
-        about = {name: worker.about for name, worker in workers.items()}
         with tempfile.TemporaryDirectory() as folder:
             for size in SIZES:
                 rows += [*speeds(workers, size, rounds, pictures), difference(workers, size, Path(folder))]
+                print(f"{size[0]}x{size[1]}: ours {rows[-4].ours:.4g} pictures a second", flush=True)
     finally:
         for worker in workers.values():
             worker.close()

@@ -15,6 +15,7 @@ from drone_sim import scene as scenes
 from drone_sim.scene import Scene
 
 VIEWS = ("chase", "overview", "orbit")
+REPEATS = 4  # of all views in a round
 WITHOUT = {
     "the sky": {"sky": None}, "the water": {"water": None}, "normal maps": {"normal_mapping": None},
     "highlights": {"specular": None}, "smooth edges": {"antialiasing": None},
@@ -56,25 +57,27 @@ def rows(rounds: int) -> Iterator[Row]:
     for name, camera in cameras.items():
         if camera.spread() < 10.0:
             raise SystemExit(f"island without {name}: a picture of one colour")
-    whole, rate = cpu.pop("everything"), 1e3 / wall.pop("everything")
-    yield Row("island, 640x480, everything on, alone", "1/s", rate, "80", rate >= 80.0, cpu={"ours": 1e3 / whole})
-    for name, value in cpu.items():
-        asked, met = ("at most 3", whole - value <= 3.0) if name == "smooth edges" else ("", None)
-        yield Row(f"island, 640x480: {name}, CPU time a picture", "ms", whole - value, asked, met)
+    whole, rate = 1e3 / min(cpu["everything"]), 1e3 / statistics.median(wall["everything"])
+    yield Row("island, 640x480, everything on, alone", "1/s", rate, "80", rate >= 80.0, cpu={"ours": whole},
+              best={"ours": 1e3 / min(wall["everything"])})
+    for name in [name for name in cameras if name != "everything"]:
+        cost = min(cpu["everything"]) - min(cpu[name])  # of the best rounds: others may be at work, too
+        what = f"island, 640x480: {name}, CPU time a picture"
+        yield Row(what, "ms", cost, *(("at most 3", cost <= 3.0) if name == "smooth edges" else ()))
 
 
-def _measure(cameras: Mapping[str, Camera], rounds: int) -> tuple[dict[str, float], dict[str, float]]:
-    """ms of wall and of CPU time a picture, medians."""
-    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in cameras}
+def _measure(cameras: Mapping[str, Camera], rounds: int) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """ms of wall and of CPU time a picture, in each round."""
+    walls: dict[str, list[float]] = {name: [] for name in cameras}
+    cpus: dict[str, list[float]] = {name: [] for name in cameras}
     for camera in cameras.values():
         camera.draw()
+    pictures = REPEATS * len(VIEWS)
     for _ in range(rounds):
         for name, camera in cameras.items():
             wall, cpu = time.perf_counter(), time.process_time()
-            for _ in range(4):
+            for _ in range(REPEATS):
                 camera.draw()
-            pictures = 4 * len(VIEWS)
-            taken[name].append(((time.perf_counter() - wall) / pictures, (time.process_time() - cpu) / pictures))
-    walls, cpus = ({name: 1e3 * statistics.median(times[i] for times in all_) for name, all_ in taken.items()}
-                   for i in (0, 1))
+            walls[name].append(1e3 * (time.perf_counter() - wall) / pictures)
+            cpus[name].append(1e3 * (time.process_time() - cpu) / pictures)
     return walls, cpus

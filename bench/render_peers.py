@@ -39,16 +39,19 @@ class Drawer(Protocol):
 
 
 class Worker:
-    """A process that draws. Raises RuntimeError with its last line if it cannot."""
+    """A process that draws; it starts while others do, and whoever asks first waits for it."""
 
     def __init__(self, name: str, *arguments: str) -> None:
         self.name = name
         self._process = subprocess.Popen([sys.executable, __file__, name, *arguments], stdin=subprocess.PIPE,
                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.about = str(self.ask(about=True))
+
+    def about(self) -> str:
+        """How it draws."""
+        return str(self.ask(about=True))
 
     def ask(self, **order: Any) -> Any:
-        """Gives an order and waits for the answer."""
+        """Gives an order and waits for the answer. Raises RuntimeError with its last line if the process has ended."""
         assert self._process.stdin and self._process.stdout and self._process.stderr
         try:
             self._process.stdin.write(json.dumps(order) + "\n")

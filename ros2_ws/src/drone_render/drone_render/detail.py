@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from drone_render.view import Array
 
-SHARES = (0.4, 0.16, 0.06)  # of the triangles, that the levels behind the full one aim at
+SHARES = (0.6, 0.36, 0.2, 0.11, 0.06)  # of the triangles, that the levels behind the full one aim at
 FEWEST = 160  # triangles; what has no more is not worth a level
 BEND = 1.0  # of an edge's length: how far off in place counts like a normal off by 1
 SLIP = 0.5  # m off in place that count like a texture that slips by 1 m
@@ -54,7 +54,7 @@ def levels(position: Array, normal: Array, uv: Array, faces: Faces, kept: npt.ND
             if len(fewer) == len(faces):
                 break
             faces, error = fewer, max(error, worst)
-        if len(faces) < 0.7 * len(found[-1].faces):
+        if len(faces) < 0.8 * len(found[-1].faces):
             found.append(Level(faces.astype(np.int32), error))
     return found
 

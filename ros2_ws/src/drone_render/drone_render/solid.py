@@ -19,7 +19,7 @@ from drone_render.view import Array
 from drone_sim.look import Render
 from drone_sim.mesh import Model
 
-TOLERANCE = 1.0  # pixels that a level of detail may be off by
+TOLERANCE = 1.25  # pixels that a level of detail may be off by
 
 
 class Seen(NamedTuple):
