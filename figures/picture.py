@@ -70,9 +70,9 @@ def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: floa
 
 def both_drones() -> Image.Image:
     """Both drones above the village."""
-    scene = island("pose: [-3.0, -2.6, 4.9, 0, 0.20, 0.62], fov: 1.15")
-    return draw(scene, {"user_drone": (-1.35, -1.25, 4.32, 0.06, 0.10, 0.35),
-                        "ai_drone": (-0.65, -1.95, 4.88, -0.10, 0.08, 0.95)}, time=4.0)
+    scene = island("pose: [-3.0, -2.6, 4.9, 0, 0.13, 0.60], fov: 1.15")
+    return draw(scene, {"user_drone": (-1.45, -1.15, 4.42, 0.06, 0.10, 0.35),
+                        "ai_drone": (-0.65, -2.05, 4.92, -0.10, 0.08, 0.95)}, time=4.0)
 
 
 def clouds() -> Image.Image:
