@@ -46,6 +46,8 @@ figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
+	@$(RUN) figures/effects.py
+	@$(RUN) figures/flight_models.py
 
 accuracy: build  ## measure what accuracy costs: tables, numbers and plots, in two minutes
 	@$(RUN) bench/accuracy.py

@@ -15,7 +15,7 @@ import numpy as np
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.rotation import from_rpy, rotate_all
-from drone_sim.scene import MeetingLevel, Object, Scene, SceneError
+from drone_sim.scene import Flight, MeetingLevel, Object, Scene, SceneError
 from drone_sim.strict import Pose
 
 SPHERE, OBB, OCTREE, TRIANGLE = range(4)  # collision levels, as drone_interfaces/CollisionEvent numbers them
@@ -73,6 +73,8 @@ class Drones:
     max_speed: Floats  # (d,) m/s
     max_acceleration: Floats  # (d,) m/s^2
     max_yaw_rate: Floats  # (d,) rad/s
+    quadrotor: Booleans  # (d,) of that flight model, else of 'direct'
+    flights: tuple[Flight, ...]  # (d,) as the scene says it
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class Rotors:
 
     names: tuple[str, ...]
     parents: tuple[str, ...]
+    paths: tuple[Path, ...]  # (r,) of their models
     drone: Integers  # (r,) index among the drones
     pose_p: Floats  # (r, 7) in the parent
     rate: Floats  # (r,) rad/s in flight; its sign is the direction
@@ -126,6 +129,7 @@ def build(scene: Scene) -> Model:
         rotors=Rotors(
             names=tuple(rotor_names),
             parents=tuple(str(objects[name].parent) for name in rotor_names),
+            paths=tuple(scene.model_path(name) for name in rotor_names),
             drone=np.array([drone_names.index(_root(objects, name)) for name in rotor_names], np.int64),
             pose_p=_poses(objects[name].pose for name in rotor_names),
             rate=np.array([r.direction * r.speed for name in rotor_names if (r := objects[name].rotor)]),
@@ -196,6 +200,8 @@ def _drones(objects: dict[str, Object], body_names: list[str], names: list[str])
         max_speed=np.array([flight.max_speed for flight in flights]),
         max_acceleration=np.array([flight.max_acceleration for flight in flights]),
         max_yaw_rate=np.array([flight.max_yaw_rate for flight in flights]),
+        quadrotor=np.array([flight.model == "quadrotor" for flight in flights], bool),
+        flights=tuple(flights),
     )
 
 

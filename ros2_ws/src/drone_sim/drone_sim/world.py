@@ -8,22 +8,25 @@
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import count
+from typing import Any
 
 import numpy as np
 
-from drone_sim import effects, model
+from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.motion import Motion
 from drone_sim.dynamics.sleep import Sleep
-from drone_sim.effects.gravity import Parameters as Gravity
-from drone_sim.flight import direct, rotors
+from drone_sim.flight import pilot, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
 from drone_sim.stage import Stage
 from drone_sim.state import State
+from drone_sim.timing import Laps, times
+
 
 @kernel
 def rest(awake, force, torque, air):
@@ -48,19 +51,27 @@ def tick(step):
 
 
 NOBODY = np.empty(0, np.int64)
+LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
 
 class World:
     """One scene with its state. Two worlds of one scene that get the same commands stay equal bit for bit."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read."""
+    def __init__(self, scene: Scene, timed: bool = False) -> None:
+        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read.
+
+        timed: reads a clock between any two stages, for stage_times; the motion is the same.
+        """
         self.scene = scene
+        self._timed = timed
+        self._laps: dict[str, Laps] = {}
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
-        self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
+        s, names = self.state, self.model.bodies.names
+        self._inputs: dict[str, tuple[int, Any, Any]] = {  # by drone; a number is written fastest through memoryviews
+            names[i]: (i, s.command_b[d].data, s.silence[d : d + 1].data) for d, i in enumerate(self.model.drones.body)}
         self._build()
         self._start = self.state.copy()
 
@@ -69,42 +80,53 @@ class World:
         m, s = self.model, self.state
         active = effects.parameters(self.scene)
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
-        forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
-                                              np.zeros(len(m.rotors.names)), np.zeros(1))
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active))
-        gravity = active.get("gravity")
-        weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
+        force, torque = np.zeros((2, m.bodies.count, 3))
+        forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
+                                              np.zeros(1))
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
         self._events = Events(lambda: self.detection.manifolds,
                               lambda: self.sleep.touching if self.sleep else NOBODY)
 
-        built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
+        self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
+        built = list(self.effects.items())
         if flying:
             air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", direct.build(setting, weight)))
-        self.acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
-                               *(stage for _, stages in built for stage in stages.force)])
+            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
+        self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
+                                                    *(stage for _, stages in built for stage in stages.force)])
+        self.steering = self._put_together("sub-steps", [stage for _, stages in built for stage in stages.substep])
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
-        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
-                             self.scene.dynamics.substeps, self.scene.dynamics.passes)
+        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
+                             lambda: self.detection.manifolds, self.scene.dynamics.passes)
+        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
+        calm = not self._alone and not any(name in effects.UNSTEADY for name in active)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and calm else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []
-        if flying:
-            self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]
+        if flying and not self._alone:
+            self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            self._after += [rotors.build(setting)]
+            self._after += rotors.build(setting)
         self._after += [Stage("clock", tick, (s.step,))]
         self._assemble()
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = Program([*self._before, *self.detection.stages, *([self.sleep.waking] if self.sleep else []),
-                                self.motion.stage, *self._after])
+        before, after = ((), ()) if self._alone else (self.detection.stages, (self.detection.catching,))
+        waking = [self.sleep.waking] if self.sleep else []
+        self.program = self._put_together("step", [*self._before, *before, *waking, self.motion.stage, *after,
+                                                   *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
+
+    def _put_together(self, name: str, stages: list[Stage]) -> Program:
+        if self._timed:
+            self._laps[name] = Laps(stages)
+            stages = self._laps[name].stages
+        return Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
@@ -120,15 +142,19 @@ class World:
 
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
-        if not all(map(math.isfinite, command)):
-            raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
-        if drone not in self._drone_of:
-            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._drone_of) or 'none'}")
-        d = self._drone_of[drone]
-        self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
-        self.state.silence[d] = -1  # which the next step makes 0
-        if self.sleep and any(command) and self.detection.sleeping[self.model.drones.body[d]]:
-            self.sleep.wake(self.model.drones.body[d : d + 1])
+        x, y, z, turn = command
+        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= turn <= LIMIT):
+            if not all(map(math.isfinite, command)):
+                raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
+            x, y, z, turn = (min(max(part, -LIMIT), LIMIT) for part in command)
+        inputs = self._inputs.get(drone)
+        if inputs is None:
+            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
+        body, told, silence = inputs
+        told[0], told[1], told[2], told[3] = x, y, z, turn
+        silence[0] = -1  # which the next step makes 0
+        if self.sleep and any(command) and self.detection.sleeping[body]:
+            self.sleep.wake(np.array([body]))
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
         """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
@@ -164,11 +190,26 @@ class World:
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
-        total = len(self.acting.stages) + len(self.program.stages)
-        self.acting.compile(lambda done, _, name: report(done, total, name))
-        self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
+        programs = (self.acting, self.steering, self.program)
+        total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
+        for program in programs:
+            program.compile(lambda _, __, name: report(next(done), total, name) if name else None)
         self.detection.compile()
         self._ready = True
+
+    def stage_names(self) -> list[str]:
+        """What a step is made of: the stages in order, and after 'motion' those that it runs in its sub-steps."""
+        inner = (*self.steering.stages, *self.acting.stages)
+        forces = [f"motion: {stage.name}" for stage in inner if stage.name]
+        names = [stage.name for stage in self.program.stages if stage.name]
+        at = names.index("motion") + 1
+        return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
+
+    def stage_times(self) -> dict[str, float]:
+        """us per step of each stage since this was last called, by `stage_names`; empty unless the world is timed."""
+        if not self._timed:
+            return {}
+        return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
 
     @property
     def time(self) -> float:

@@ -10,7 +10,7 @@ from drone_sim.collision import grid, meshes, narrow
 from drone_sim.collision.grid import bound, bounds, crowd, find_pairs
 from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels, lookup
-from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, PARTS, SWEPT, Manifolds, anchor, carry_over, keep
+from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
 from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
 from drone_sim.collision.octree import Octree
 from drone_sim.collision.sweep import fast
@@ -138,10 +138,16 @@ class Detection:
     def stages(self) -> tuple[Stage, ...]:
         """Those of a step; a scene without meshes has none for them."""
         fine = (Stage("mesh contacts", any_fine, (self._count,), self._find_fine),) if self.levels.uses_meshes else ()
-        return (Stage("keep", keep, self._keep_arguments), Stage("broad phase", approach, self._broad_arguments, self._attend),
+        return (Stage("keep", keep, self._keep_arguments),
+                Stage("broad phase", approach, self._broad_arguments, self._attend),
                 Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *fine,
                 Stage("impacts", any_ahead, (self._count,), self._find_ahead),
                 Stage("warm start", carry_over, self._warm_arguments))
+
+    @property
+    def catching(self) -> Stage:
+        """The stage after motion: no fast body is left where it could not have got."""
+        return Stage("catch", any_ahead, (self._count,), self._catch)
 
     def belong_to(self, program: Program) -> None:
         """Tells which program to bind anew when arrays become others."""
@@ -230,6 +236,8 @@ class Detection:
         if self._meshes:
             self.manifolds = self._meshes.find(self.manifolds, self._now, *pairs)
         self._look_ahead(pairs)
+        self._impacts.keep(self._state)
+        self._impacts.catch(self._state, nothing, nothing, nothing, self._quick, self._meshes)
         self.clear()
 
     def _place_all(self) -> None:
@@ -264,9 +272,17 @@ class Detection:
     def _find_ahead(self, code: int) -> None:
         """Appends the contacts that fast bodies will have within the step."""
         before, pairs = self.manifolds, self._pairs()
+        self._impacts.keep(self._state)
         self._look_ahead(_only(self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
         if self.manifolds is not before:
             self.bind()
+
+    def _catch(self, code: int) -> None:
+        """Stops fast bodies that got through something, whatever the solver made of the contacts ahead."""
+        pairs = self._pairs()
+        chosen = self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE)
+        a, b, _, level, *_ = _only(chosen, pairs)
+        self._impacts.catch(self._state, a, b, level, self._quick, self._meshes)
 
     def _look_ahead(self, pairs: Pairs) -> None:
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
@@ -285,7 +301,8 @@ class Detection:
         arrays = m.pair, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.level
         pairs = tuple(np.ascontiguousarray(array) for array in pairs)  # type: ignore[assignment]
         a, b, *rest = pairs
-        for find, scratch in ((find_boxes, self._scratch), (find_others, ())):
+        finders: tuple[tuple[Any, tuple[Any, ...]], ...] = (find_boxes, self._scratch), (find_others, ())
+        for find, scratch in finders:
             m.count = find(len(a), placed.position, placed.axes, placed.half, a, b, *rest, *scratch, *arrays, m.count)
 
     def _append_fine(self, placed: Placed, pairs: Pairs) -> None:

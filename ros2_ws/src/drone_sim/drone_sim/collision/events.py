@@ -1,4 +1,4 @@
-"""Begin, persist and end: how the contacts of a step differ from those of the step before. Worked out when asked for."""
+"""Begin, persist and end: how the contacts of a step differ from those of the step before; worked out when asked."""
 
 from collections.abc import Callable
 from enum import IntEnum
@@ -81,8 +81,9 @@ class Events:
         before = touching(last.pair[:old], last.level[:old], last.normal_w[:old], last.touch[:old])
         went_on = np.isin(now.key, before.key)
         ended = ~np.isin(before.key, np.concatenate([now.key, self._asleep()]))
+        over = Touching(before.key[ended], before.level[ended], before.normal[ended], before.touch[ended])
         return [*_events(now, np.where(went_on, Phase.PERSIST, Phase.BEGIN)),
-                *_events(Touching(*(array[ended] for array in before)), np.full(ended.sum(), Phase.END))]
+                *_events(over, np.full(len(over.key), Phase.END))]
 
 
 def _events(of: Touching, phases: Integers) -> list[Event]:

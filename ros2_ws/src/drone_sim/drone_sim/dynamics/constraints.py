@@ -1,8 +1,8 @@
 """What the solver needs to know of each contact, worked out once a step.
 
-A unit is up to POINTS points of a manifold, with friction at one point, the centre of their pressure, and a torque about
-the normal beside it, instead of at every point (as box3d does): a third of the work, and right where the pressure is
-known from the step before. LANES units that share no moving body make a group, every number of all of them side by
+A unit is up to POINTS points of a manifold, with friction at one point, the centre of their pressure, and a torque
+about the normal beside it, instead of at every point (as Box3D does): a third of the work, and right where the pressure
+is known from the step before. LANES units that share no moving body make a group, every number of all of them side by
 side, so that the compiler takes them in one step: a table of FIELDS rows of LANES numbers.
 """
 
@@ -273,4 +273,4 @@ def take_back(groups, unit, points, table, impulse, friction, total):
 def tables(groups: int) -> tuple[np.ndarray, ...]:
     """Room for so many groups: unit, body, table."""
     return (np.empty((groups, LANES), np.int64), np.empty((groups, 2, LANES), np.int64),
-            np.empty((groups, FIELDS * LANES)))
+            np.zeros((groups, FIELDS * LANES)))  # also where no contact is: what lies there is reckoned with

@@ -92,7 +92,6 @@ class Sleep:
 
     @property
     def waking(self) -> Stage:
-        m = self._detection.manifolds
         return Stage("waking", disturbed, lambda: (self._detection.manifolds.end, self._detection.manifolds.pair,
                                                    self._detection.sleeping), self._wake_disturbed)
 

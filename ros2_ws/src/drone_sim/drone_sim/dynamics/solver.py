@@ -16,9 +16,41 @@ how many there are is a number that the compiler does not know: it would write e
 import math
 
 from drone_sim.dynamics.constraints import (
-    ACROSS, ALONG, ANCHOR, BEFORE, CENTRE_A, CENTRE_B, DIRECTION, FIELDS, FRICTION, GAP, HURRY, IMPULSE, INERTIA_A,
-    INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22,
-    PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START, TOTAL, TWISTED, TWIST_MASS, turn,
+    ACROSS,
+    ALONG,
+    ANCHOR,
+    BEFORE,
+    CENTRE_A,
+    CENTRE_B,
+    DIRECTION,
+    FIELDS,
+    FRICTION,
+    GAP,
+    HURRY,
+    IMPULSE,
+    INERTIA_A,
+    INERTIA_B,
+    K01,
+    K02,
+    K03,
+    K12,
+    K13,
+    K23,
+    LANES,
+    LIGHT_A,
+    LIGHT_B,
+    MASS,
+    MASS_11,
+    MASS_12,
+    MASS_22,
+    PUSHED_ACROSS,
+    PUSHED_ALONG,
+    RADIUS,
+    START,
+    TOTAL,
+    TWIST_MASS,
+    TWISTED,
+    turn,
 )
 from drone_sim.kernel import inlined, kernel
 
@@ -102,13 +134,15 @@ def warm_start(groups, body, table, moving, s):
 @inlined
 def _impulse(t, k, p, speed, rate, scale, loss, per):
     """The impulse at a point (k: its place in a row of four) that has had p and parts at this speed."""
-    # A gap may close within this sub-step, and no faster; an overlap is pushed apart.
+    # A gap may close within this sub-step, and no faster; an overlap is pushed apart. Without springs (rate 0) bodies
+    # have moved already: what has not met then will in the next sub-step.
     gap, mass = t[GAP + k], t[MASS + k]
     apart = gap > 0.0
     push = max(rate * gap, -PUSH_OUT_SPEED)
     bias = gap * per if apart else push
     soft = mass * scale
     mass = mass if apart else soft
+    mass = 0.0 if apart & (p == 0.0) & (rate == 0.0) else mass
     kept = p - loss * p
     kept = p if apart else kept
     return max((kept - mass * bias) - mass * speed, 0.0)
