@@ -32,8 +32,9 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## against other libraries: collisions, pictures; then the whole graph; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
+	@$(RUN) bench/render.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
 hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minutes); make hard-cases ARGS="--count 1000"
@@ -41,6 +42,8 @@ hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minute
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
+	@$(RUN) figures/picture.py
+	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
 	@$(RUN) figures/effects.py
