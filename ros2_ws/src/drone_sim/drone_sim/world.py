@@ -217,8 +217,8 @@ class World:
         return int(self.state.step[0]) * self.dt
 
     def contact_counts(self) -> dict[str, int]:
-        """By level: the contacts of bodies that touch or are about to, or do so in their sleep. Pairs of meshes may have
-        several."""
+        """By level: the contacts of bodies that touch, or are about to, or do so in their sleep; those of meshes may be
+        several a pair."""
         found = self.detection.manifolds
         asleep = self.sleep.touching if self.sleep else NOTHING
         level = np.concatenate([found.level[: found.count], asleep.level])

@@ -16,7 +16,6 @@ how many there are is a number that the compiler does not know: it would write e
 import math
 
 from drone_sim.dynamics.constraints import (
-    ANCHOR,
     BEFORE,
     DIRECTION,
     FIELDS,
@@ -39,10 +38,8 @@ from drone_sim.dynamics.unit import (
     VELOCITY_B,
     WAY_A,
     WAY_B,
-    apply,
     follow,
     press,
-    sum_of,
 )
 from drone_sim.kernel import inlined, kernel
 
@@ -81,11 +78,7 @@ def warm_start(groups, body, table, moving, s):
         for k in range(lanes):
             q0, q1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
             q2, q3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
-            a = ANCHOR + k
-            apply(t, s, k, q0 + q1 + q2 + q3,
-                   sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3),
-                   sum_of(t, a + L3, q0, q1, q2, q3), sum_of(t, a + L4, q0, q1, q2, q3), sum_of(t, a + L5, q0, q1, q2, q3),
-                   t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k])
+            give(t, s, k, q0, q1, q2, q3, t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k])
         scatter(body, g, moving, s)
 
 
@@ -153,11 +146,7 @@ def _turn(groups, body, table, moving, s, last):
                 q0, q1 = t[BEFORE + k], t[BEFORE + LANES + k]
                 q2, q3 = t[BEFORE + L2 + k], t[BEFORE + L3 + k]
                 u, v, w = t[BEFORE + L4 + k], t[BEFORE + L5 + k], t[BEFORE + 6 * LANES + k]
-                a = ANCHOR + k
-                apply(t, s, k, q0 + q1 + q2 + q3,
-                       sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3),
-                       sum_of(t, a + L3, q0, q1, q2, q3), sum_of(t, a + L4, q0, q1, q2, q3),
-                       sum_of(t, a + L5, q0, q1, q2, q3), u, v, w)
+                give(t, s, k, q0, q1, q2, q3, u, v, w)
             scatter(body, g, moving, s)
             for k in range(L4):
                 t[IMPULSE + k] += t[BEFORE + k]

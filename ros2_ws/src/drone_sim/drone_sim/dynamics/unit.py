@@ -1,8 +1,7 @@
 """One unit of contacts, lane by lane: its normal impulses by their couplings, then its friction.
 
-Within a unit the points meet by their couplings: the speeds of all are worked out at once, each impulse changes those of
-the points after it, and the bodies get the sum, which is what impulses one by one would do. No branches: loops over
-lanes are taken by the compiler in one step.
+The speeds of all points are worked out at once, each impulse changes those of the points after it, and the bodies get
+the sum, which is what impulses one by one would do. No branches: the compiler takes a loop over lanes in one step.
 """
 
 import math
@@ -78,6 +77,16 @@ def apply(t, s, k, q, px, py, pz, rx, ry, rz, u, v, w):
 @inlined
 def sum_of(t, at, q0, q1, q2, q3):
     return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]
+
+
+@inlined
+def give(t, s, k, q0, q1, q2, q3, u, v, w):
+    """Gives both bodies the impulses q at the points along the normal, u, v along the tangents and w about the normal."""
+    a = ANCHOR + k
+    apply(t, s, k, q0 + q1 + q2 + q3,
+          sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3),
+          sum_of(t, a + L3, q0, q1, q2, q3), sum_of(t, a + L4, q0, q1, q2, q3), sum_of(t, a + L5, q0, q1, q2, q3),
+          u, v, w)
 
 
 @inlined
