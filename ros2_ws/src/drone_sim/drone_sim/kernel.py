@@ -28,13 +28,19 @@ def _cache_folder() -> Path:
 
 _folder = _cache_folder()
 try:
-    for old in _folder.parent.glob("kernels-*"):
-        if old != _folder:
-            shutil.rmtree(old, ignore_errors=True)
     _folder.mkdir(parents=True, exist_ok=True)
-    numba.config.CACHE_DIR = str(_folder)
-except OSError:  # an installation that may not be written to: numba then caches in the user's folder
-    pass
+except OSError:  # an installation that may not be written to
+    _folder = Path.home() / ".cache" / "drone_sim" / _folder.name
+    _folder.mkdir(parents=True, exist_ok=True)
+for old in _folder.parent.glob("kernels-*"):
+    if old != _folder:
+        shutil.rmtree(old, ignore_errors=True)
+numba.config.CACHE_DIR = str(_folder)
+
+
+def generated_folder() -> Path:
+    """Where modules that are written by the program may lie; as old as the kernels' caches."""
+    return _folder / "generated"
 
 
 def compiled_before() -> bool:

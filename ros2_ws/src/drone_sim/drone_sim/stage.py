@@ -1,13 +1,29 @@
-"""What a step is made of: a tuple of named functions, put together once from what the scene calls for."""
+"""What a step is made of: stages, put together once from what the scene calls for."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-Stage = Callable[[], None]
+Arguments = tuple[Any, ...]  # contiguous arrays, floats and whole numbers
 
 
-class Named(NamedTuple):
-    """A stage and what it is called in reports."""
+class Stage(NamedTuple):
+    """A kernel and its arguments, and what stages are called in reports.
+
+    Arguments may also be a function that gives them, asked again when the stage is bound anew. A kernel that returns a
+    code other than 0 stops the loop: `attend` is called with it, and answers whether the stage is to run again.
+    Without a kernel the stage is Python's, and `attend` all that there is to do.
+    """
 
     name: str
-    run: Stage
+    kernel: Any
+    arguments: Arguments | Callable[[], Arguments] = ()
+    attend: Callable[[int], bool] = lambda code: False
+
+
+def in_python(name: str, run: Callable[[], None]) -> Stage:
+    """A stage that is not compiled."""
+    def attend(code: int) -> bool:
+        run()
+        return False
+
+    return Stage(name, None, (), attend)

@@ -1,7 +1,7 @@
 """Everything that changes while a scene runs, as arrays; a run is repeated by repeating these."""
 
 import hashlib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Self
 
 import numpy as np
@@ -24,7 +24,10 @@ class State:
     landed: Integers  # (d,) 1 while its rotors are off
     rotor_angle: Floats  # (r,) rad
     rotor_rate: Floats  # (r,) rad/s
+    awake: Integers  # (n + 1,) how many bodies move and are not asleep, and which, ascending
+    still: Floats  # (n,) s for which a body has hardly moved
     step: Integers  # (1,) steps since the start
+    memory: dict[str, Floats] = field(default_factory=dict)  # what effects keep from step to step, by their names
 
     @classmethod
     def of(cls, model: Model) -> Self:
@@ -41,20 +44,39 @@ class State:
             landed=np.zeros(d, np.int64),
             rotor_angle=np.zeros(r),
             rotor_rate=model.rotors.rate.copy(),
+            awake=_all_awake(model),
+            still=np.zeros(n),
             step=np.zeros(1, np.int64),
         )
 
+    def remember(self, name: str, start: Floats) -> Floats:
+        """Keeps an array as part of the state, with these numbers at the start."""
+        return self.memory.setdefault(name, start)
+
+    def arrays(self) -> dict[str, Floats | Integers]:
+        """Everything that changes, by name."""
+        own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "memory"}
+        return own | {f"memory.{name}": array for name, array in self.memory.items()}
+
     def assign(self, other: Self) -> None:
         """Takes over all numbers of another state of the same model, into the same arrays."""
-        for field in fields(self):
-            getattr(self, field.name)[...] = getattr(other, field.name)
+        for mine, others in zip(self.arrays().values(), other.arrays().values(), strict=True):
+            mine[...] = others
 
     def copy(self) -> Self:
-        return type(self)(**{field.name: getattr(self, field.name).copy() for field in fields(self)})
+        own = {field.name: getattr(self, field.name).copy() for field in fields(self) if field.name != "memory"}
+        return type(self)(**own, memory={name: array.copy() for name, array in self.memory.items()})
 
     def hash(self) -> str:
         """SHA-256 over all numbers, bit for bit, hexadecimal."""
         digest = hashlib.sha256()
-        for field in fields(self):
-            digest.update(np.ascontiguousarray(getattr(self, field.name)).data)
+        for array in self.arrays().values():
+            digest.update(np.ascontiguousarray(array).data)
         return digest.hexdigest()
+
+
+def _all_awake(model: Model) -> Integers:
+    which = np.flatnonzero(model.bodies.movable)
+    awake = np.zeros(model.bodies.count + 1, np.int64)
+    awake[0], awake[1 : 1 + len(which)] = len(which), which
+    return awake

@@ -8,7 +8,6 @@
 
 import math
 from collections.abc import Callable, Mapping
-from time import perf_counter_ns
 
 import numpy as np
 
@@ -19,9 +18,33 @@ from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.solver import Motion
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.flight import direct, rotors
+from drone_sim.kernel import kernel
+from drone_sim.program import Program
 from drone_sim.scene import Scene
-from drone_sim.stage import Named
+from drone_sim.stage import Stage, in_python
 from drone_sim.state import State
+
+@kernel
+def rest(awake, force, torque, air):
+    """Nothing acts on the bodies that are awake."""
+    for k in range(1, 1 + awake[0]):
+        for c in range(3):
+            force[awake[k], c] = torque[awake[k], c] = 0.0
+    air[:] = 0.0
+
+
+@kernel
+def age(silence):
+    """Commands become a step older."""
+    for d in range(silence.shape[0]):
+        silence[d] += 1
+
+
+@kernel
+def tick(step):
+    """Counts the steps."""
+    step[0] += 1
+
 
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
@@ -35,49 +58,54 @@ class World:
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
-        self._start = self.state.copy()
         self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
-        self.stages = self._build_stages()
-        self._marks = [0] * (len(self.stages) + 1)  # ns, when each stage of the last step began
+        self._build()
+        self._start = self.state.copy()
+        self._ready = False
 
-    def _build_stages(self) -> tuple[Named, ...]:
+    def _build(self) -> None:
         """What this scene calls for, and nothing else, in the order in which it happens."""
-        m, s, dt = self.model, self.state, self.dt
-        force_w, torque_w = np.zeros((2, m.bodies.count, 3))
+        m, s = self.model, self.state
         active = effects.parameters(self.scene)
-        self.detection = Detection(m, s, dt)
-        self._events = Events(self.detection)
+        stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
+        forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
+                                              np.zeros(len(m.rotors.names)), np.zeros(1))
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active))
         gravity = active.get("gravity")
         weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
+        self.detection = Detection(m, s, self.dt)
+        self._events = Events(self.detection)
 
-        def rest() -> None:
-            force_w.fill(0.0)
-            torque_w.fill(0.0)
-
-        stages = [("forces", rest)]
+        built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
         if flying:
-            stages += [("commands", self._age_commands),
-                       ("flight", direct.build_steering(m, s, force_w, torque_w, weight, dt))]
-        stages += [(name, effects.effect(name).build(p, m, s, force_w, dt)) for name, p in active.items()]
-        stages += [("detection", self.detection),
-                   ("motion", Motion(m, s, self.detection, force_w, torque_w, dt, self.scene.dynamics.substeps)),
-                   ("events", self._events)]
+            air = sum(name in effects.AIR for name in active)
+            built.insert(air, ("flight", direct.build(setting, weight)))
+        acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
+                          *(stage for _, stages in built for stage in stages.force)])
+        motion = Motion(m, s, self.detection, acting, forces, self.dt, self.scene.dynamics.substeps)
+        stages = [Stage("commands", age, (s.silence,))] if flying else []
+        stages += [stage for _, stages in built for stage in stages.step]
+        stages += [in_python("detection", self.detection), in_python("motion", motion),
+                   in_python("events", self._events)]
         if flying:
-            stages += [("landing", direct.build_landing(m, s, self.detection, dt))]
+            stages += [direct.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            stages += [("rotors", rotors.build(m, s, dt))]
-        return tuple(Named(name, run) for name, run in stages)
+            stages += [rotors.build(setting)]
+        stages += [Stage("clock", tick, (s.step,))]
+        self.acting, self.program = acting, Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
         for name, command in commands.items():
             self.command(name, command)
-        for i, stage in enumerate(self.stages):
-            self._marks[i] = perf_counter_ns()
-            stage.run()
-        self._marks[-1] = perf_counter_ns()
-        self.state.step += 1
+        self.run(1)
+
+    def run(self, steps: int) -> None:
+        """Many steps with the commands given last, without returning to Python where the scene allows it."""
+        if not self._ready:
+            self.compile()
+        self.program.run(steps)
 
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
@@ -108,9 +136,6 @@ class World:
         self.detection.prepare()
         self.detection.compile()
 
-    def _age_commands(self) -> None:
-        self.state.silence += 1
-
     def reset(self) -> None:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
@@ -121,21 +146,16 @@ class World:
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
-        for i, stage in enumerate(self.stages):
-            report(i, len(self.stages), stage.name)
-            stage.run()
-            if stage.run is self.detection:
-                self.detection.compile()
-        self.reset()
+        total = len(self.acting.stages) + len(self.program.stages)
+        self.acting.compile(lambda done, _, name: report(done, total, name))
+        self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
+        self.detection.compile()
+        self._ready = True
 
     @property
     def time(self) -> float:
         """Simulated time in s."""
         return int(self.state.step[0]) * self.dt
-
-    def stage_times(self) -> dict[str, float]:
-        """Wall time in us that each stage of the last step took."""
-        return {stage.name: (self._marks[i + 1] - self._marks[i]) / 1000 for i, stage in enumerate(self.stages)}
 
     def contact_counts(self) -> dict[str, int]:
         """By level: the contacts of bodies that touch or are about to. Pairs of meshes may have several."""

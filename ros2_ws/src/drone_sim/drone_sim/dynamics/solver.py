@@ -9,11 +9,12 @@ import math
 
 import numpy as np
 
-from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.dynamics.integrators import move, push
+from drone_sim.effects import Forces
 from drone_sim.kernel import kernel
 from drone_sim.model import Model
+from drone_sim.program import Program
 from drone_sim.rotation import matrix, rotate
 from drone_sim.state import State
 
@@ -215,10 +216,10 @@ def sum_impulses(count, points, impulse, total):
 class Motion:
     """The stage that moves all bodies by one step under `force_w`, `torque_w` and the contacts found."""
 
-    def __init__(self, model: Model, state: State, detection: Detection, force_w: Floats, torque_w: Floats,
+    def __init__(self, model: Model, state: State, detection: Detection, acting: Program, forces: Forces,
                  dt: float, substeps: int) -> None:
         self._bodies, self._state, self._detection = model.bodies, state, detection
-        self._force, self._torque = force_w, torque_w
+        self._acting, self._forces = acting, forces
         self._h, self._substeps = dt / substeps, substeps
         n = model.bodies.count
         self._tensor = np.empty((n, 3, 3))
@@ -243,8 +244,9 @@ class Motion:
         contacts = (m.count, m.pair, m.points, self._frame, m.anchor_w)
         gap = (self._mass, m.separation, m.impulse, bodies.friction, self._start, s.position_w, self._turn)
         for _ in range(self._substeps):
+            self._acting.run(1)
             push(s.orientation_w, s.velocity_w, s.angular_velocity_w, bodies.inverse_mass, bodies.inertia_b,
-                 self._force, self._torque, h)
+                 self._forces.force_w, self._forces.torque_w, h)
             warm_start(*contacts, m.impulse, *moving)
             solve(*contacts, *gap, *moving, h, True)
             move(s.position_w, s.orientation_w, self._turn, s.velocity_w, s.angular_velocity_w, bodies.movable, h)

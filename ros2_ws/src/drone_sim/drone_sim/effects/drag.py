@@ -2,15 +2,12 @@
 
 import math
 
-import numpy as np
 from pydantic import Field
 
-from drone_sim.arrays import Floats
+from drone_sim.effects import Setting, Stages
 from drone_sim.kernel import kernel
-from drone_sim.model import Model
 from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
-from drone_sim.state import State
 from drone_sim.strict import Strict
 
 
@@ -20,18 +17,22 @@ class Parameters(Strict):
 
 
 @kernel
-def drag(orientation, velocity, half, mass, factor, dt, force):
-    """Adds the drag of n boxes, `factor` = rho C / 2, to force (n, 3). A is the box's shadow along the velocity."""
-    for i in range(velocity.shape[0]):
+def drag(awake, orientation, velocity, air, half, mass, factor, dt, force):
+    """Adds the drag of boxes, `factor` = rho C / 2, to force (n, 3). A is the box's shadow along its way through the
+    air, which moves at air (n, 3), or is still: (0, 3)."""
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
         vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        if air.shape[0]:
+            vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
         speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-        if speed == 0.0 or mass[i] == 0.0:
+        if speed == 0.0:
             continue
         m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
         area_speed = 0.0
-        for k in range(3):
-            face = 4.0 * half[i, (k + 1) % 3] * half[i, (k + 2) % 3]
-            area_speed += face * abs(m[k] * vx + m[3 + k] * vy + m[6 + k] * vz)
+        for c in range(3):
+            face = 4.0 * half[i, (c + 1) % 3] * half[i, (c + 2) % 3]
+            area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
         # No more than stops the body within this step: a long step must not turn drag into thrust.
         rate = min(factor * area_speed, mass[i] / dt)
         force[i, 0] -= rate * vx
@@ -39,10 +40,8 @@ def drag(orientation, velocity, half, mass, factor, dt, force):
         force[i, 2] -= rate * vz
 
 
-def build(parameters: Parameters, model: Model, state: State, force_w: Floats, dt: float) -> Stage:
-    bodies, factor = model.bodies, np.float64(0.5 * parameters.density * parameters.coefficient)
-
-    def slow_down() -> None:
-        drag(state.orientation_w, state.velocity_w, bodies.half, bodies.mass, factor, dt, force_w)
-
-    return slow_down
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    bodies, state, forces = setting.model.bodies, setting.state, setting.forces
+    factor = 0.5 * parameters.density * parameters.coefficient
+    return Stages(force=(Stage("drag", drag, (state.awake, state.orientation_w, state.velocity_w, forces.air_w,
+                                              bodies.half, bodies.mass, factor, setting.dt, forces.force_w)),))

@@ -2,10 +2,9 @@
 
 from pydantic import Field
 
-from drone_sim.arrays import Floats
-from drone_sim.model import Model
+from drone_sim.effects import Setting, Stages
+from drone_sim.kernel import kernel
 from drone_sim.stage import Stage
-from drone_sim.state import State
 from drone_sim.strict import Strict
 
 
@@ -13,11 +12,14 @@ class Parameters(Strict):
     acceleration: float = Field(9.80665, ge=0.0, le=300.0)  # m/s^2; standard gravity (CGPM 1901)
 
 
-def build(parameters: Parameters, model: Model, state: State, force_w: Floats, dt: float) -> Stage:
-    weight = model.bodies.mass * parameters.acceleration
-    down = force_w[:, 2]
+@kernel
+def pull(awake, mass, acceleration, force):
+    """Adds the weight of the bodies that are awake to force (n, 3)."""
+    for k in range(1, 1 + awake[0]):
+        force[awake[k], 2] -= acceleration * mass[awake[k]]
 
-    def pull() -> None:
-        down[:] -= weight
 
-    return pull
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    mass = setting.model.bodies.mass
+    return Stages(force=(Stage("gravity", pull, (setting.state.awake, mass, parameters.acceleration,
+                                                 setting.forces.force_w)),))

@@ -6,16 +6,15 @@ holds its position; at rest on a support without a command it lands, and its rot
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from drone_sim.arrays import Floats
-from drone_sim.collision.detection import Detection
+from drone_sim.collision.manifold import Manifolds
+from drone_sim.effects import Setting, Stages
 from drone_sim.kernel import kernel
-from drone_sim.model import Model
 from drone_sim.rotation import matrix, rotate
-from drone_sim.stage import Stage
-from drone_sim.state import State
+from drone_sim.stage import Stage, in_python
 
 SILENCE = 0.5  # s of simulated time after which a command is over
 RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
@@ -27,10 +26,12 @@ ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
 
 @kernel
 def steer(position, orientation, velocity, angular, body, mass, inertia, max_speed, max_acceleration, max_yaw_rate,
-          command, silence, hold, landed, weight, dt, force, torque):
-    """Adds the forces (N) and torques (N m) of d drones, world frame. `weight` is the gravity to carry, m/s^2."""
+          command, silence, hold, landed, weight, dt, push):
+    """Writes the force (N) and torque (N m) of d drones, (d, 2, 3) in the world, for the coming step. `weight` is the
+    gravity to carry, m/s^2."""
     for d in range(body.shape[0]):
         i = body[d]
+        push[d] = 0.0
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
         silent = silence[d] * dt >= SILENCE
         cx, cy, cz, yaw_rate = command[d, 0], command[d, 1], command[d, 2], command[d, 3]
@@ -61,9 +62,9 @@ def steer(position, orientation, velocity, angular, body, mass, inertia, max_spe
         response = max(RESPONSE, dt)
         ax, ay, az = _limited((wx - velocity[i, 0]) / response, (wy - velocity[i, 1]) / response,
                               (wz - velocity[i, 2]) / response, max_acceleration[d])
-        force[i, 0] += mass[i] * ax
-        force[i, 1] += mass[i] * ay
-        force[i, 2] += mass[i] * (az + weight)
+        push[d, 0, 0] = mass[i] * ax
+        push[d, 0, 1] = mass[i] * ay
+        push[d, 0, 2] = mass[i] * (az + weight)
 
         # Attitude: body z towards the lean, damped; the gains are what the step length can follow.
         frequency = min(ATTITUDE_FREQUENCY, 0.3 / dt)
@@ -83,7 +84,16 @@ def steer(position, orientation, velocity, angular, body, mass, inertia, max_spe
         tz = inertia[i, 2] * frequency * (yaw_rate - bz)
         t = rotate(q[0], q[1], q[2], q[3], tx, ty, tz)
         for k in range(3):
-            torque[i, k] += t[k]
+            push[d, 1, k] = t[k]
+
+
+@kernel
+def add(body, push, force, torque):
+    """Adds what `steer` wrote to the forces on the bodies."""
+    for d in range(body.shape[0]):
+        for k in range(3):
+            force[body[d], k] += push[d, 0, k]
+            torque[body[d], k] += push[d, 1, k]
 
 
 @kernel
@@ -112,24 +122,25 @@ def land(velocity, body, command, silence, dt, count, pair, points, normal, tota
                 landed[d] = 1
 
 
-def build_steering(model: Model, state: State, force_w: Floats, torque_w: Floats, weight: float, dt: float) -> Stage:
-    """Before the contacts: what the rotors do."""
-    b, drones, s = model.bodies, model.drones, state
+def build(setting: Setting, weight: float) -> Stages:
+    """weight: the gravity to carry, m/s^2."""
+    b, drones, s, forces = setting.model.bodies, setting.model.drones, setting.state, setting.forces
+    push = np.zeros((len(drones.body), 2, 3))
+    return Stages(
+        step=(Stage("flight", steer, (
+            s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
+            drones.max_speed, drones.max_acceleration, drones.max_yaw_rate, s.command_b, s.silence, s.hold_w, s.landed,
+            weight, setting.dt, push)),),
+        force=(Stage("flight", add, (drones.body, push, forces.force_w, forces.torque_w)),))
 
-    def fly() -> None:
-        steer(s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
-              drones.max_speed, drones.max_acceleration, drones.max_yaw_rate, s.command_b, s.silence, s.hold_w,
-              s.landed, weight, dt, force_w, torque_w)
 
-    return fly
-
-
-def build_landing(model: Model, state: State, detection: Detection, dt: float) -> Stage:
+def build_landing(setting: Setting, manifolds: Callable[[], Manifolds]) -> Stage:
     """After the contacts: who has come to rest."""
+    s, body = setting.state, setting.model.drones.body
 
     def settle() -> None:
-        m = detection.manifolds
-        land(state.velocity_w, model.drones.body, state.command_b, state.silence, dt, m.count, m.pair, m.points,
-             m.normal_w, m.total, state.landed)
+        m = manifolds()
+        land(s.velocity_w, body, s.command_b, s.silence, setting.dt, m.count, m.pair, m.points, m.normal_w, m.total,
+             s.landed)
 
-    return settle
+    return in_python("landing", settle)
