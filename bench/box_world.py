@@ -89,19 +89,11 @@ def with_dynamics(scene: Scene, setting: Setting) -> Scene:
     return scene.model_copy(update={"dynamics": how})
 
 
-def run(world: World, steps: int) -> None:  # TEMPORARY
-    if hasattr(world, "run"):
-        world.run(steps)
-    else:
-        for _ in range(steps):
-            world.step()
-
-
 def advance(world: World, seconds: float, every: int = 1) -> Iterator[float]:
     """Runs the world and stops after every so many steps, to be looked at; yields the time since the start, s."""
     steps = round(seconds / world.dt)
     for done in range(every, steps + 1, every):
-        run(world, every)
+        world.run(every)
         yield done * world.dt
 
 

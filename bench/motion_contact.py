@@ -113,18 +113,18 @@ def _from_corner(world: World) -> float:
 
 def inside(setting: Setting, seconds: float = 3.0) -> Outcome:
     """Pairs of crates that start half inside each other, shifted and turned in many ways, without weight."""
-    rng, fast, left = np.random.default_rng(4), 0.0, 0.0
-    speeds: list[float] = []
-    for trial in range(24):
-        way = np.eye(3)[trial % 3] if trial < 6 else rng.normal(size=3)
-        shift = 0.5 * EDGE * way / np.abs(way).max()
-        turn = (0.0, 0.0, 0.0) if trial < 6 else rng.uniform(-math.pi, math.pi, 3)
-        world = world_of({"one": Box((EDGE,) * 3, (0.0, 0.0, 0.0), 5.0),
-                          "other": Box((EDGE,) * 3, (*shift, *turn), 5.0 * (1 + trial % 2))}, setting, effects="")
-        trace = [0.0]
-        for _ in advance(world, seconds):
-            trace.append(fastest(world))
-        fast, left = max(fast, *trace), max(left, depth(world))
-        speeds = trace if not speeds else np.maximum(speeds, trace).tolist()
-    return Outcome((Reached("speed", fast, 1.0, "m/s"), Reached("still overlapping by", 1000.0 * left, 1.0, "mm")),
-                   thinned({"time_s": (world.dt * np.arange(len(speeds))).tolist(), "speed_m_s": speeds}))
+    rng, boxes = np.random.default_rng(4), {}
+    for i in range(24):
+        way = np.eye(3)[i % 3] if i < 6 else rng.normal(size=3)
+        shift = 0.5 * EDGE * way / np.abs(way).max() + [50.0 * i, 0.0, 0.0]
+        turn = np.zeros(3) if i < 6 else rng.uniform(-math.pi, math.pi, 3)
+        boxes[f"one_{i}"] = Box((EDGE,) * 3, (50.0 * i, 0.0, 0.0), 5.0)
+        boxes[f"other_{i}"] = Box((EDGE,) * 3, (*shift, *turn), 5.0 * (1 + i % 2))
+    world = world_of(boxes, setting, effects="")
+    t, speed = [0.0], [0.0]
+    for now in advance(world, seconds):
+        t.append(now)
+        speed.append(fastest(world))
+    return Outcome((Reached("speed", max(speed), 1.0, "m/s"),
+                    Reached("still overlapping by", 1000.0 * depth(world), 1.0, "mm")),
+                   thinned({"time_s": t, "speed_m_s": speed}))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from box_world import Box, Setting, run, with_dynamics, world_of
+from box_world import Box, Setting, with_dynamics, world_of
 from motion_outcome import Outcome, Reached, thinned
 
 from drone_sim.arrays import Floats
@@ -29,7 +29,7 @@ def plate(setting: Setting, shots: int = 10_000) -> Outcome:
         speed = _aim(world, rng)
         passed, before = np.zeros(AT_ONCE, bool), _from_plates(world)
         for _ in range(STEPS):
-            run(world, 1)
+            world.run(1)
             now = _from_plates(world)
             crossed = np.sign(now[:, 2]) != np.sign(before[:, 2])
             part = before[:, 2] / np.where(crossed, before[:, 2] - now[:, 2], 1.0)
@@ -70,11 +70,11 @@ def island(setting: Setting, steps: int = 1_000_000) -> Outcome:
     world = World(with_dynamics(load("island"), setting))
     moving = world.model.bodies.movable
     names = [name for name, moves in zip(world.model.bodies.names, moving, strict=True) if moves]
-    run(world, round(SETTLED / world.dt))
+    world.run(round(SETTLED / world.dt))
     start, finite, t = world.state.position_w[moving].copy(), True, [0.0]
     away: list[list[float]] = [[0.0] * len(names)]
     for _ in range(0, steps, 1000):
-        run(world, 1000)
+        world.run(1000)
         s = world.state
         finite &= all(bool(np.isfinite(a[moving]).all()) for a in
                       (s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w))

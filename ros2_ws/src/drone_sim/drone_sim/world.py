@@ -24,6 +24,7 @@ from drone_sim.scene import Scene
 from drone_sim.stage import Stage, in_python
 from drone_sim.state import State
 
+
 @kernel
 def rest(awake, force, torque, air):
     """Nothing acts on the bodies that are awake."""
