@@ -1,0 +1,87 @@
+"""Rows of the dynamics benchmark that fly: quadrotors, and the island as a whole."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import quadrotors
+from box_world import Box, Setting, world_of
+from clock import Times, side_by_side
+from report import Row
+
+from drone_sim.fleet import Fleet
+from drone_sim.scene import load
+from drone_sim.world import World
+
+COMMAND = (1.0, 0.0, 0.0, 0.2)  # m/s, rad/s
+ASKED = {"step": 300e3, "hundred": 4e6, "thousand": 12e6}
+ISLAND_ASKED = 500.0
+ISLAND_SECONDS, OFTEN = 20.0, 10  # simulated; steps between two commands
+
+
+def quadrotor() -> World:
+    """One quadrotor in the air, with its controller, at the rate of crazyflow."""
+    flight = "flight: {model: quadrotor, cmd_vel: cmd_vel}"
+    return world_of({"drone": Box((0.5, 0.5, 0.16), (0.0, 0.0, 100.0), 1.4, extra=flight)},
+                    Setting(rate=float(quadrotors.RATE), substeps=1, integrator="rk4"))
+
+
+def quadrotor_rows(rounds: int) -> Iterator[Row]:
+    """A step a call, a hundred a call, and a thousand drones."""
+    world, many = quadrotor(), Fleet(quadrotor().scene, quadrotors.MANY)
+    commands = np.tile(np.array(COMMAND), (quadrotors.MANY, 1))
+
+    def hundred() -> None:
+        world.command("drone", COMMAND)
+        world.run(quadrotors.BATCH)
+
+    for name, work, calls, steps, given in (
+            ("step", "one quadrotor with its controller, a step a call",
+             {"ours": lambda: world.step({"drone": COMMAND}), "crazyflow": quadrotors.crazyflow(1, 1),
+              "RotorPy": quadrotors.rotorpy()}, 1, quadrotors.GIVEN),
+            ("hundred", "one quadrotor, 100 steps a call",
+             {"ours": hundred, "crazyflow": quadrotors.crazyflow(1, quadrotors.BATCH)}, quadrotors.BATCH, {}),
+            ("thousand", "1,000 quadrotors, 100 steps a call, drone-steps",
+             {"ours": lambda: many.run(quadrotors.BATCH, commands),
+              "crazyflow": quadrotors.crazyflow(quadrotors.MANY, quadrotors.BATCH)},
+             quadrotors.MANY * quadrotors.BATCH, {})):
+        for call in calls.values():  # JAX compiles twice
+            call()
+            call()
+        yield _row(work, side_by_side(calls, rounds, 0.2), steps, given, ASKED[name])
+    _check(world)
+
+
+def _row(work: str, times: dict[str, Times], steps: int, given: dict[str, float], asked: float) -> Row:
+    cpu, best = {n: steps / t.cpu for n, t in times.items()}, {n: steps / t.best for n, t in times.items()}
+    peers = {name: rate for name, rate in cpu.items() if name != "ours"} | given
+    return Row(work, "steps/s", cpu["ours"], f"{asked:,.0f}", cpu["ours"] >= asked, peers,
+               cpu["ours"] / max(peers.values()), best=best)
+
+
+def _check(world: World) -> None:
+    """It flies as it was told."""
+    for _ in range(20):
+        world.command("drone", COMMAND)
+        world.run(100)
+    speed = float(np.linalg.norm(world.state.velocity_w[0]))
+    if abs(speed - COMMAND[0]) > 0.05:
+        raise SystemExit(f"a quadrotor that was told to fly at {COMMAND[0]:g} m/s flies at {speed:.3g} m/s")
+
+
+def island_row(rounds: int) -> Row:
+    """Simulated seconds per second of CPU while the drone flies through the village."""
+    world = World(load("island"))
+    steps = round(ISLAND_SECONDS / world.dt)
+
+    def fly() -> None:
+        world.reset()
+        for _ in range(0, steps, OFTEN):
+            world.command("user_drone", (1.0, 0.0, 0.0, 0.3))
+            world.run(OFTEN)
+
+    times = side_by_side({"ours": fly}, rounds)["ours"]
+    if not np.isfinite(world.state.position_w).all() or np.linalg.norm(world.pose("user_drone")[:2]) < 0.1:
+        raise SystemExit("the drone has not flown through the island")
+    factor = ISLAND_SECONDS / times.cpu
+    return Row("the island, headless, at its default rates: real-time factor", "", factor, f"{ISLAND_ASKED:g}",
+               factor >= ISLAND_ASKED, best={"ours": ISLAND_SECONDS / times.best})
