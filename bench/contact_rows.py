@@ -3,14 +3,13 @@
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
 from time import process_time
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-from engines import MuJoCo, PyBullet
-from heap import RATE, Heap, Ours
+from box_world import Setting
+from engines import Boxes, Engine, MuJoCo, Ours, PyBullet
+from heap import FRICTION, RATE, SUBSTEPS, heap
 from report import Row
-
-from drone_sim.arrays import Floats
 
 FALL, SETTLE, REST = 240, 470, 240  # steps: falling, from there to rest, and watched at rest
 LATER = 1440  # more steps of settling before depth, energy and speed at rest are looked at
@@ -25,20 +24,6 @@ BOX3D_ASLEEP = 215e3
 YARDSTICK = {4: (111e3, 56e3), 64: (5.1e3, 1.7e3), 1024: (148.0, 32.0)}
 ASKED = {4: (200e3, 150e3), 64: (12e3, 10e3), 1024: (500.0, 400.0)}
 ASKED_ASLEEP = 300e3
-
-
-class Engine(Protocol):
-    """The heap in a library; all numbers are of the last step."""
-
-    name: str
-
-    def reset(self) -> None: ...
-    def run(self, steps: int) -> None: ...
-    def deepest(self) -> float: ...
-    def energy(self) -> float: ...
-    def fastest(self) -> float: ...
-    def positions(self) -> Floats: ...
-    def close(self) -> None: ...
 
 
 class Size(NamedTuple):
@@ -65,10 +50,11 @@ class Rates(NamedTuple):
         return cls(1.0 / statistics.median(times), 1.0 / min(times))
 
 
-def heap(movable: int, size: Size) -> Iterator[Row]:
+def heap_rows(movable: int, size: Size) -> Iterator[Row]:
     """Falling and resting, and how well."""
-    boxes = Heap(movable)
-    engines: list[Engine] = [Ours(boxes), MuJoCo(boxes, "NEWTON"), MuJoCo(boxes, "CG"), PyBullet(boxes)]
+    boxes = Boxes(heap(movable), 0.0, FRICTION)
+    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS)), MuJoCo(boxes, RATE), MuJoCo(boxes, RATE, "CG"),
+                             PyBullet(boxes, RATE)]
     work = f"150 static and {movable:,} movable boxes"
     start = engines[0].energy()
     falling = fall(engines, size.rounds)
@@ -121,6 +107,7 @@ def rest(engines: Sequence[Engine], rounds: int, steps: int | None = None) -> di
 
 
 def settle(engine: Engine, steps: int, movable: int) -> None:
+    """A while after the fall. MuJoCo's Newton needs minutes to settle a thousand boxes, for which its CG will do."""
     if isinstance(engine, MuJoCo) and movable >= MANY:
         engine.set_solver("CG")
     engine.run(steps)
@@ -170,8 +157,9 @@ def quality(work: str, engines: Sequence[Engine], movable: int, start: float) ->
 
 def asleep(size: Size) -> Iterator[Row]:
     """64 boxes that have come to rest and been put to sleep."""
-    boxes = Heap(64)
-    engines: list[Engine] = [Ours(boxes, sleep=True), MuJoCo(boxes, "NEWTON", sleep=True), MuJoCo(boxes, "NEWTON")]
+    boxes = Boxes(heap(64), 0.0, FRICTION)
+    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS, sleep=True)), MuJoCo(boxes, RATE, sleep=True),
+                             MuJoCo(boxes, RATE)]
     for engine in engines:
         engine.reset()
         engine.run(20 * int(RATE))

@@ -21,7 +21,7 @@ PEERS = ("mujoco", "pybullet", "crazyflow", "rotorpy")
 
 def rows(size: Size) -> Iterator[Row]:
     for movable in size.heaps:
-        yield from contact_rows.heap(movable, size)
+        yield from contact_rows.heap_rows(movable, size)
     yield from contact_rows.asleep(size)
     yield from flight_rows.quadrotor_rows(size.rounds)
     yield flight_rows.island_row(size.rounds)
