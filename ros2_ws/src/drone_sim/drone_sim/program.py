@@ -129,8 +129,8 @@ class Program:
             done, at, code = run(function, row, first, steps)
             steps -= done
             if code:
-                again = self.stages[at].attend(code)
-                first = at if again else at + 1
+                name = self.stages[at].attend(code)
+                first = at + 1 if name is None else next(i for i, stage in enumerate(self.stages) if stage.name == name)
                 if first == len(function):
                     steps, first = steps - 1, 0
             else:

@@ -62,7 +62,7 @@ class OwnCollision(Strict):
 class Dynamics(Strict):
     """How motion is integrated: the scheme, and how many times the contacts are solved within a step."""
 
-    integrator: Literal["semi_implicit_euler"] = "semi_implicit_euler"
+    integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"
     substeps: Annotated[int, Field(ge=1, le=64)] = 8
 
 

@@ -10,20 +10,19 @@ class Stage(NamedTuple):
     """A kernel and its arguments, and what stages are called in reports.
 
     Arguments may also be a function that gives them, asked again when the stage is bound anew. A kernel that returns a
-    code other than 0 stops the loop: `attend` is called with it, and answers whether the stage is to run again.
+    code other than 0 stops the loop: `attend` is called with it, and names the stage to go on from, or None for the next.
     Without a kernel the stage is Python's, and `attend` all that there is to do.
     """
 
     name: str
     kernel: Any
     arguments: Arguments | Callable[[], Arguments] = ()
-    attend: Callable[[int], bool] = lambda code: False
+    attend: Callable[[int], str | None] = lambda code: None
 
 
 def in_python(name: str, run: Callable[[], None]) -> Stage:
     """A stage that is not compiled."""
-    def attend(code: int) -> bool:
+    def attend(code: int) -> None:
         run()
-        return False
 
     return Stage(name, None, (), attend)

@@ -15,7 +15,7 @@ from drone_sim import effects, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
-from drone_sim.dynamics.solver import Motion
+from drone_sim.dynamics.motion import Motion
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.flight import direct, rotors
 from drone_sim.kernel import kernel
@@ -62,7 +62,6 @@ class World:
         self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
         self._build()
         self._start = self.state.copy()
-        self._ready = False
 
     def _build(self) -> None:
         """What this scene calls for, and nothing else, in the order in which it happens."""
@@ -82,19 +81,26 @@ class World:
         if flying:
             air = sum(name in effects.AIR for name in active)
             built.insert(air, ("flight", direct.build(setting, weight)))
-        acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
-                          *(stage for _, stages in built for stage in stages.force)])
-        motion = Motion(m, s, self.detection, acting, forces, self.dt, self.scene.dynamics.substeps)
-        stages = [Stage("commands", age, (s.silence,))] if flying else []
-        stages += [stage for _, stages in built for stage in stages.step]
-        stages += [in_python("detection", self.detection), in_python("motion", motion),
-                   in_python("events", self._events)]
+        self.acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
+                               *(stage for _, stages in built for stage in stages.force)])
+        self._before = [Stage("commands", age, (s.silence,))] if flying else []
+        self._before += [stage for _, stages in built for stage in stages.step]
+        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
+                             self.scene.dynamics.substeps)
+        self._after = [in_python("events", self._events)]
         if flying:
-            stages += [direct.build_landing(setting, lambda: self.detection.manifolds)]
+            self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            stages += [rotors.build(setting)]
-        stages += [Stage("clock", tick, (s.step,))]
-        self.acting, self.program = acting, Program(stages)
+            self._after += [rotors.build(setting)]
+        self._after += [Stage("clock", tick, (s.step,))]
+        self._assemble()
+
+    def _assemble(self) -> None:
+        """Puts the stages together."""
+        self.program = Program([*self._before, *self.detection.stages, self.motion.stage, *self._after])
+        self.detection.belong_to(self.program)
+        self.motion.belong_to(self.program)
+        self._ready = False
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
@@ -135,15 +141,17 @@ class World:
             raise ValueError(f"b: expected another object than '{a}'")
         self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
         self.detection.prepare()
-        self.detection.compile()
+        self._assemble()
+        self.compile()
 
     def reset(self) -> None:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
         self.detection.clear()
-        self.detection.levels.clear()
-        self.detection.prepare()
         self._events.clear()
+        if self.detection.levels.clear():
+            self.detection.prepare()
+            self._assemble()
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""

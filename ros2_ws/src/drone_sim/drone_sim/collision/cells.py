@@ -191,22 +191,34 @@ def meet_others(low, high, bodies, count, home, per_metre, top, start, entry, pa
     return found, tried
 
 
+FEW = 24  # pairs up to which they are sorted one by one
+
+
 @kernel
 def put_in_order(low, high, pair, found, count, spare, ordered):
     """Writes the pairs that truly overlap to `ordered`, (2, m), as a < b, sorted by a, then b; returns how many.
 
     Sorts by counting, first b, then a: linear in bodies and pairs, however many pairs one body has.
     """
-    n = low.shape[0]
-    count[:n] = 0
-    kept = 0
+    n, kept = low.shape[0], 0
     for k in range(found):
         i, j = np.uint64(pair[k] >> 32), np.uint64(pair[k] & 0xFFFFFFFF)
         if overlap(low, high, i, j):
-            a, b = min(i, j), max(i, j)
-            pair[kept] = np.int64(a << SHIFT | b)
+            pair[kept] = np.int64(min(i, j) << SHIFT | max(i, j))
             kept += 1
-            count[b] += 1
+    if kept <= FEW:
+        for k in range(kept):
+            this, at = pair[k], k
+            while at > 0 and spare[at - 1] > this:
+                spare[at] = spare[at - 1]
+                at -= 1
+            spare[at] = this
+        for k in range(kept):
+            ordered[0, k], ordered[1, k] = spare[k] >> 32, spare[k] & 0xFFFFFFFF
+        return kept
+    count[:n] = 0
+    for k in range(np.uint64(kept)):
+        count[np.uint64(pair[k] & 0xFFFFFFFF)] += 1
     _begins(count, n)
     for k in range(np.uint64(kept)):
         b = np.uint64(pair[k] & 0xFFFFFFFF)

@@ -1,43 +1,207 @@
-"""Collision detection of a whole step: broad phase, then the contacts of each pair at its level."""
+"""Collision detection of a whole step, as stages: broad phase, then the contacts of each pair at its level."""
+
+from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
-from drone_sim.collision import grid, meshes, obb
+from drone_sim.arrays import Booleans, Floats, Integers
+from drone_sim.collision import grid, meshes, narrow
+from drone_sim.collision.grid import bound, bounds, crowd, find_pairs
 from drone_sim.collision.impacts import Impacts
-from drone_sim.collision.levels import Levels
-from drone_sim.collision.manifold import Manifolds, anchor
-from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_contacts, margins
+from drone_sim.collision.levels import Levels, lookup
+from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, PARTS, SWEPT, Manifolds, anchor, carry_over, keep
+from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
+from drone_sim.collision.sweep import fast
+from drone_sim.kernel import kernel
 from drone_sim.model import OCTREE, SPHERE, Model
+from drone_sim.program import Program
+from drone_sim.stage import Stage
 from drone_sim.state import State
 
+CROWDED, OTHERS_STAND_STILL, MORE_MANIFOLDS = 10, 11, 12  # codes beside those of the grid
+PAIRS, AHEAD, FINE, NEEDED = range(4)  # places in `count`
 Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, floor's height, level, all?, margin
 
 
+@kernel
+def approach(awake, binned, solid, position, orientation, velocity, spin, half, ball, radius, dt, floor_of, planes,
+             default, own, keys, words, axes, low, high, quick, movers, levels, static_top, static_start, static_entry,
+             start, bucket, listed, entry, marks, pair, ordered, floor_height, level, everything, margin, swept, count):
+    """The broad phase: what bodies that are awake may touch within dt, at which level, and how near is near.
+
+    count: (4,) pairs, those to be looked for ahead, those of meshes, what is needed where a code other than 0 returns.
+    binned: (n + 1,) who was awake when the others were put into the grid. floor_of: (n,) height of a floor, else NaN.
+    """
+    count[:] = 0
+    for k in range(1 + awake[0]):
+        if awake[k] != binned[k]:
+            return OTHERS_STAND_STILL
+    hurry, moving = 0, 0
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        turn_axes(i, orientation, axes)
+        if solid[i]:
+            quick[i] = fast(i, velocity, spin, half, dt)
+            hurry += quick[i]
+            bound(i, position, axes, half, ball if quick[i] else radius, velocity, dt, MARGIN, low, high)
+            movers[moving] = i
+            moving += 1
+    if moving == 0:
+        return 0
+    answer, found, tests = find_pairs(low, high, movers, moving, planes, levels, static_top, static_start, static_entry,
+                                      start, bucket, listed, entry, marks, pair, ordered)
+    if answer == grid.DONE and found > floor_height.shape[0]:
+        answer = grid.MORE_PAIRS
+    if answer != grid.DONE:
+        count[NEEDED] = found
+        return answer
+    for k in range(found):
+        a, b = ordered[0, k], ordered[1, k]
+        floor_height[k] = floor_of[a] if not np.isnan(floor_of[a]) else floor_of[b]
+    lookup(found, ordered[0], ordered[1], default, own, keys, words, level, everything)
+    ahead = margins(found, ordered[0], ordered[1], floor_height, velocity, dt, quick, margin, swept)
+    for k in range(found):
+        count[FINE] += level[k] >= OCTREE
+    count[PAIRS], count[AHEAD] = found, ahead if hurry else 0
+    return CROWDED if tests > crowd(moving, found) else 0
+
+
+@kernel
+def touch(count, position, axes, half, ordered, floor_height, level, everything, margin, table, cut, of_a, of_b, number,
+          end, pair, points, normal, point, anchors, separation, feature, met, impulse, friction, last_end, last_pair,
+          last_points, last_normal, last_feature, last_impulse, last_friction):
+    """The contacts of spheres, boxes and floors."""
+    if count[PAIRS] > points.shape[0]:
+        return MORE_MANIFOLDS
+    keep(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
+         last_feature, last_impulse, last_friction)
+    found = find_boxes(count[PAIRS], position, axes, half, ordered[0], ordered[1], floor_height, level, everything,
+                       margin, table, cut, of_a, of_b, number, pair, points, normal, point, separation, feature, met, 0)
+    end[BOXES] = found
+    found = find_others(count[PAIRS], position, axes, half, ordered[0], ordered[1], floor_height, level, everything,
+                        margin, pair, points, normal, point, separation, feature, met, found)
+    end[OTHERS] = end[MESHES] = end[SWEPT] = found
+    anchor(0, found, pair, points, point, position, anchors)
+    return 0
+
+
+@kernel
+def any_fine(count):
+    """Whether meshes may touch."""
+    return count[FINE]
+
+
+@kernel
+def any_ahead(count):
+    """Whether fast bodies may meet within the step."""
+    return count[AHEAD]
+
+
 class Detection:
-    """The stage that finds all contacts; `manifolds` are those of the current step, `levels` may change between two."""
+    """The stages that find all contacts; `manifolds` are those of the last step, `levels` may change between two."""
 
     def __init__(self, model: Model, state: State, dt: float) -> None:
         bodies = model.bodies
+        n = bodies.count
         self._model, self._state, self._dt = model, state, dt
         self.levels = Levels(model.meeting)
-        self.axes: Floats = np.empty((bodies.count, 3, 3))
-        self.manifolds, self._last = Manifolds(64), Manifolds(64)
+        self.axes: Floats = np.empty((n, 3, 3))
+        self.manifolds = Manifolds(64)
         self._grid = grid.Grid(bodies.half[bodies.solid])
-        self._low, self._high = np.empty((2, bodies.count, 3))
+        self._grid.room(n)
+        self._low, self._high = np.empty((2, n, 3))
         self._ball: Floats = np.linalg.norm(bodies.half, axis=1)
-        self._scratch = obb.scratch()
+        self._planes: Integers = np.array([plane.body for plane in model.floors], np.int64)
+        self._floor_of: Floats = np.full(n, np.nan)
         half = bodies.half.copy()
-        half[[plane.body for plane in model.floors]] = np.inf
-        self._now = Placed(np.arange(bodies.count), state.position_w, state.orientation_w, self.axes, half)
-        on_floor = np.flatnonzero(bodies.movable & bodies.solid)
-        self._floor_pairs = np.array([sorted((i, plane.body)) for plane in model.floors for i in on_floor],
-                                     np.int64).reshape(-1, 2)
-        self._floor_heights = np.repeat([plane.height for plane in model.floors], len(on_floor)).astype(np.float64)
+        half[self._planes] = np.inf
+        self._floor_of[self._planes] = [plane.height for plane in model.floors]
+        self._now = Placed(np.arange(n), state.position_w, state.orientation_w, self.axes, half)
         self._impacts = Impacts(bodies.half, dt)
+        self._quick: Booleans = np.zeros(n, np.bool_)
+        self._movers, self._binned = np.empty(n, np.int64), np.full(n + 1, -1)
+        self._count: Integers = np.zeros(4, np.int64)
+        self._scratch = narrow.scratch()
         self._meshes: meshes.Meshes | None = None
         self._with_meshes: Integers = np.empty(0, np.int64)
+        self._program: Program | None = None
+        self._make_room(len(self._grid.ordered[0]))
         self.prepare()
+
+    def _make_room(self, pairs: int) -> None:
+        self._floor_height, self._margin = np.empty((2, pairs))
+        self._level, self._everything = np.empty((2, pairs), np.int64)
+        self._swept = np.empty(pairs, np.bool_)
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """Those of a step; a scene without meshes has none for them."""
+        fine = (Stage("mesh contacts", any_fine, (self._count,), self._find_fine),) if self.levels.uses_meshes else ()
+        return (Stage("broad phase", approach, self._broad_arguments, self._attend),
+                Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *fine,
+                Stage("impacts", any_ahead, (self._count,), self._find_ahead),
+                Stage("warm start", carry_over, self._warm_arguments))
+
+    def belong_to(self, program: Program) -> None:
+        """Tells which program to bind anew when arrays become others."""
+        self._program = program
+
+    def _bind(self) -> None:
+        if self._program:
+            self._program.bind()
+
+    def _broad_arguments(self) -> tuple[Any, ...]:
+        s, bodies = self._state, self._model.bodies
+        return (s.awake, self._binned, bodies.solid, s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w,
+                bodies.half, self._ball, self._radius, self._dt, self._floor_of, self._planes, *self.levels.tables(),
+                self.axes, self._low, self._high, self._quick, self._movers, *self._grid.tables(), self._floor_height,
+                self._level, self._everything, self._margin, self._swept, self._count)
+
+    def _contact_arguments(self) -> tuple[Any, ...]:
+        m, last = self.manifolds, self.manifolds.last
+        return (self._count, self._state.position_w, self.axes, self._now.half, self._grid.ordered, self._floor_height,
+                self._level, self._everything, self._margin, *self._scratch, m.end, m.pair, m.points, m.normal_w,
+                m.point_w, m.anchor_w, m.separation, m.feature, m.level, m.impulse, m.friction, m.last_end, last.pair,
+                last.points, last.normal_w, last.feature, last.impulse, last.friction)
+
+    def _warm_arguments(self) -> tuple[Any, ...]:
+        m, last = self.manifolds, self.manifolds.last
+        return (m.end, m.pair, m.points, m.normal_w, m.feature, m.impulse, m.friction, m.last_end, last.pair,
+                last.points, last.normal_w, last.feature, last.impulse, last.friction)
+
+    def _attend(self, code: int) -> str | None:
+        """Makes the broad phase able to go on."""
+        low, high, needed = self._low, self._high, int(self._count[NEEDED])
+        movers = np.flatnonzero(self._awake() & self._model.bodies.solid)
+        again: str | None = "broad phase"
+        if code == OTHERS_STAND_STILL:
+            self._settle()
+        elif code == CROWDED:
+            self._grid.think_over(low, high, movers)
+            again = None
+        else:
+            self._grid.renew(code, needed, low, high, movers)
+            self._make_room(len(self._grid.ordered[0]))
+        self._bind()
+        return again
+
+    def _awake(self) -> Booleans:
+        awake = self._state.awake
+        mask: Booleans = np.zeros(len(awake) - 1, np.bool_)
+        mask[awake[1 : 1 + awake[0]]] = True
+        return mask
+
+    def _settle(self) -> None:
+        """Puts all that is not awake into the grid."""
+        bodies, s = self._model.bodies, self._state
+        axes_of(s.orientation_w, self.axes)
+        bounds(s.position_w, self.axes, bodies.half, self._radius, s.velocity_w, self._dt, MARGIN, self._low,
+               self._high)
+        self._quick[:] = False
+        self._low[self._planes], self._high[self._planes] = -np.inf, np.inf
+        self._high[self._planes, 2] = self._floor_of[self._planes]
+        self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._awake()))
+        self._binned[:] = s.awake
 
     def prepare(self) -> None:
         """Gets ready for the levels as they are now. Raises mesh.MeshError for models that cannot be read."""
@@ -46,87 +210,87 @@ class Detection:
             self._meshes = meshes.read(self._model, bodies) if len(bodies) else None
             self._with_meshes = bodies
         self._radius = self._ball if self.levels.uses(SPHERE) else np.zeros_like(self._ball)
+        self._binned[:] = -1
+        self._bind()
 
     def compile(self) -> None:
-        """Compiles what the levels as they are now may need, so that no step has to."""
+        """Compiles what a step may need beside the stages, so that no step has to."""
+        self._place_all()
         nothing = np.empty(0, np.int64)
         pairs = nothing, nothing, np.empty(0), nothing, nothing, np.empty(0)
-        self._find_rough(self._now, pairs)
-        self._find_ahead(pairs)
+        self._append_rough(self._now, pairs)
         if self._meshes:
             self.manifolds = self._meshes.find(self.manifolds, self._now, *pairs)
-        self.manifolds.start_from(self._last)
+        self._look_ahead(pairs)
         self.clear()
+
+    def _place_all(self) -> None:
+        axes_of(self._state.orientation_w, self.axes)
 
     def clear(self) -> None:
         """Forgets the last step."""
-        self.manifolds.empty()
+        self.manifolds.forget()
+        self._binned[:] = -1
 
-    def __call__(self) -> None:
-        state, bodies = self._state, self._model.bodies
-        self.manifolds, self._last = self._last, self.manifolds
-        self.manifolds.empty()
-        axes_of(state.orientation_w, self.axes)
-        quick = self._impacts.look(state)
-        radius = np.where(self._impacts.quick, self._ball, self._radius) if quick else self._radius
-        grid.bounds(state.position_w, self.axes, bodies.half, radius, state.velocity_w, self._dt, MARGIN,
-                    self._low, self._high)
-        a, b, height = self._candidates()
-        level, everything = self.levels.of(a, b)
-        margin, swept = np.empty(len(a)), np.empty(len(a), np.bool_)
-        ahead = margins(a, b, height, state.velocity_w, self._dt, self._impacts.quick, margin, swept)
-        pairs = a, b, height, level, everything, margin
-        self._find_rough(self._now, pairs)
-        self.manifolds.mesh_start = self.manifolds.count
-        self._find_fine(self._now, pairs)
+    def _more_manifolds(self, code: int) -> str:
+        self.manifolds = self.manifolds.with_room(2 * int(self._count[PAIRS]))
+        self._bind()
+        return "contacts"
+
+    def _pairs(self) -> Pairs:
+        """Those of the step."""
+        k = self._count[PAIRS]
+        return (self._grid.ordered[0, :k], self._grid.ordered[1, :k], self._floor_height[:k], self._level[:k],
+                self._everything[:k], self._margin[:k])
+
+    def _find_fine(self, code: int) -> None:
+        """Appends the contacts of meshes."""
+        before = self.manifolds
+        self._append_fine(self._now, self._pairs())
         m = self.manifolds
-        m.swept_start = m.count
-        anchor(m.count, m.pair, m.points, m.point_w, state.position_w, m.anchor_w)
-        if quick and ahead:
-            self._find_ahead(_only(swept & (level >= SPHERE), pairs))
-        self.manifolds.start_from(self._last)
+        m.end[MESHES] = m.end[SWEPT]
+        anchor(m.end[OTHERS], m.count, m.pair, m.points, m.point_w, self._state.position_w, m.anchor_w)
+        if m is not before:
+            self._bind()
 
-    def _find_rough(self, placed: Placed, pairs: Pairs) -> None:
+    def _find_ahead(self, code: int) -> None:
+        """Appends the contacts that fast bodies will have within the step."""
+        before, pairs = self.manifolds, self._pairs()
+        self._look_ahead(_only(self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
+        if self.manifolds is not before:
+            self._bind()
+
+    def _look_ahead(self, pairs: Pairs) -> None:
+        placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
+        a, b, height, level, everything, margin = _only(meeting, pairs)
+        margin = margin + 2.0 * np.minimum(self._ball[a], self._ball[b])  # all that may swing round
+        k = 2 * np.arange(len(meeting))
+        there = k, k + 1, height, level, everything, margin
+        first = self.manifolds.count
+        self._append_rough(placed, there)
+        self._append_fine(placed, there)
+        self._impacts.bring_back(self.manifolds, first, placed, self._state)
+
+    def _append_rough(self, placed: Placed, pairs: Pairs) -> None:
         """Appends the contacts of placed spheres, boxes and floors."""
-        if self._meshes:
-            pairs = _only(pairs[3] < OCTREE, pairs)
         m = self.manifolds = self.manifolds.with_room(len(pairs[0]))
-        m.count = find_contacts(placed.position, placed.axes, placed.half, *pairs, self._scratch, m.pair, m.points,
-                                m.normal_w, m.point_w, m.separation, m.feature, m.level, m.count)
+        arrays = m.pair, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.level
+        pairs = tuple(np.ascontiguousarray(array) for array in pairs)  # type: ignore[assignment]
+        a, b, *rest = pairs
+        for find, scratch in ((find_boxes, self._scratch), (find_others, ())):
+            m.count = find(len(a), placed.position, placed.axes, placed.half, a, b, *rest, *scratch, *arrays, m.count)
 
-    def _find_fine(self, placed: Placed, pairs: Pairs) -> None:
+    def _append_fine(self, placed: Placed, pairs: Pairs) -> None:
         """Appends the contacts of placed meshes."""
         if self._meshes:
             fine = _only(pairs[3] >= OCTREE, pairs)
             if len(fine[0]):  # most steps have none
                 self.manifolds = self._meshes.find(self.manifolds, placed, *fine)
 
-    def _find_ahead(self, pairs: Pairs) -> None:
-        """Appends the contacts that fast bodies will have within the step."""
-        placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
-        a, b, height, level, everything, margin = _only(meeting, pairs)
-        margin = margin + 2.0 * np.minimum(self._ball[a], self._ball[b])  # all that may swing round
-        first = 2 * np.arange(len(meeting))
-        there = first, first + 1, height, level, everything, margin
-        self._find_rough(placed, there)
-        self._find_fine(placed, there)
-        self._impacts.bring_back(self.manifolds, placed, self._state)
-
     def sectors(self) -> tuple[Floats, Floats]:
         """Lowest corners (k, 3) and edges (k,) in m of the sectors that bodies stand in which can move, each once."""
         moving = self._model.bodies.movable & self._model.bodies.solid
         return self._grid.sectors(self._low[moving], self._high[moving])
-
-    def _candidates(self) -> tuple[Integers, Integers, Floats]:
-        """Pairs a < b in order, and the height of the floor where one of the two is a floor, else NaN."""
-        bodies = self._model.bodies
-        a, b = self._grid.pairs(self._low, self._high, bodies.solid, bodies.movable)
-        if not len(self._floor_pairs):
-            return a, b, np.full(len(a), np.nan)
-        a, b = np.concatenate([a, self._floor_pairs[:, 0]]), np.concatenate([b, self._floor_pairs[:, 1]])
-        height = np.concatenate([np.full(len(a) - len(self._floor_heights), np.nan), self._floor_heights])
-        order = np.lexsort((b, a))
-        return a[order], b[order], height[order]
 
 
 def _only(which: Integers | np.ndarray, pairs: Pairs) -> Pairs:

@@ -57,11 +57,6 @@ class Impacts:
         """half: (n, 3) half extents of the boxes, m."""
         self._half, self._dt = half, dt
         self._room = sweep.room()
-        self.quick = np.zeros(len(half), np.bool_)
-
-    def look(self, state: State) -> bool:
-        """Whether any body is fast; marks those that are."""
-        return bool(sweep.fast(state.velocity_w, state.angular_velocity_w, self._half, self._dt, self.quick))
 
     def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
               meshes: Meshes | None) -> tuple[Placed, Integers]:
@@ -82,7 +77,7 @@ class Impacts:
         axes_of(orientation, axes)
         return Placed(body, position, orientation, axes, self._half[body]), meeting
 
-    def bring_back(self, m: Manifolds, placed: Placed, state: State) -> None:
-        """Turns the contacts of the placed bodies, from m.swept_start on, into contacts ahead of where they are."""
-        bring_back(m.swept_start, m.count, m.pair, m.points, m.normal_w, m.point_w, m.anchor_w, m.separation,
+    def bring_back(self, m: Manifolds, first: int, placed: Placed, state: State) -> None:
+        """Turns the contacts of the placed bodies, from number `first` on, into contacts ahead of where they are."""
+        bring_back(first, m.count, m.pair, m.points, m.normal_w, m.point_w, m.anchor_w, m.separation,
                    placed.body, placed.position, placed.orientation, state.position_w, state.orientation_w)

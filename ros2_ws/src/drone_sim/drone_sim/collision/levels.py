@@ -8,14 +8,14 @@ from drone_sim.model import OCTREE, UNSAID, Meeting
 
 
 @kernel
-def lookup(pair_a, pair_b, default, own, keys, words, level, everything):
-    """Writes the level of each pair a < b, and 1 where it asks for all contacts, 0 for the deepest point alone: the
+def lookup(pairs, pair_a, pair_b, default, own, keys, words, level, everything):
+    """Writes the level of the first `pairs` pairs a < b, and 1 where it asks for all contacts, 0 for the deepest point alone: the
     pair's own word, else the finer of the bodies', else the default.
 
     default: (2,), own: (n, 2), words: (k, 2), each a level and contacts or UNSAID; keys: (k,) a * n + b, ascending, of
     the pairs with words of their own.
     """
-    for i in range(pair_a.shape[0]):
+    for i in range(pairs):
         a, b = pair_a[i], pair_b[i]
         at = 0
         if keys.shape[0]:
@@ -35,19 +35,22 @@ class Levels:
     """The words of the scene, and those that were said since."""
 
     def __init__(self, meeting: Meeting) -> None:
-        self._meeting = meeting
+        self._meeting, self._changed = meeting, True
         self.clear()
 
-    def clear(self) -> None:
-        """Back to what the scene says."""
+    def clear(self) -> bool:
+        """Back to what the scene says; returns whether that changes anything."""
         meeting = self._meeting
+        changed, self._changed = self._changed, False
         self._default = np.array([meeting.level, meeting.all_contacts])
         self._own: Integers = np.stack([meeting.own_level, meeting.own_contacts], axis=1)
         self._pairs = dict(meeting.pairs)
         self._sort()
+        return changed
 
     def set(self, level: int, a: int | None = None, b: int | None = None) -> None:
         """Sets the level of a pair of bodies, of all pairs of body a, or of all that say nothing of their own."""
+        self._changed = True
         if a is None:
             self._default[0] = level
         elif b is None:
@@ -62,11 +65,9 @@ class Levels:
         self._keys = np.array([a * len(self._own) + b for (a, b), _ in pairs], np.int64)
         self._words = np.array([words for _, words in pairs], np.int64).reshape(-1, 2)
 
-    def of(self, a: Integers, b: Integers) -> tuple[Integers, Integers]:
-        """Of pairs a < b, (k,) each: the level or NOT_AT_ALL, and 1 where all contacts are asked for."""
-        level, everything = np.empty((2, len(a)), np.int64)
-        lookup(a, b, self._default, self._own, self._keys, self._words, level, everything)
-        return level, everything
+    def tables(self) -> tuple[Integers, Integers, Integers, Integers]:
+        """The words as `lookup` takes them."""
+        return self._default, self._own, self._keys, self._words
 
     @property
     def default(self) -> int:
@@ -76,6 +77,11 @@ class Levels:
     def uses(self, level: int) -> bool:
         """Whether any pair may meet at this level."""
         return level == self.default or level in self._own[:, 0] or level in self._words[:, 0]
+
+    @property
+    def uses_meshes(self) -> bool:
+        """Whether the triangles of any body may be asked for."""
+        return len(self.meshes()) > 0
 
     def meshes(self) -> Integers:
         """The bodies, ascending, of which the triangles may be asked for."""

@@ -12,18 +12,18 @@ POINTS = 8  # of a manifold, at most
 CUT = 68  # four numbers each of the 16 points that may be corners of what two faces cover, and one more
 HAIR = 1e-9  # of a face's size
 STEEP = 1e-100  # m, m2: what is shorter or smaller than this is cut nowhere
+BOXES, OTHERS, MESHES, SWEPT = range(4)  # the parts that manifolds stand in
+PARTS = 4
 SAME_SIDE = 0.9  # cosine of the angle up to which a contact is still that of the step before
 
 
 class Manifolds:
-    """Contacts between bodies a < b: those of boxes, spheres and floors, then those of meshes, of which a pair may have
-    several, then those of fast bodies; each part in the order of (a, b). Beyond `points[i]` points of manifold i hold
+    """Contacts between bodies a < b, in parts: those of boxes, then of spheres and floors, of meshes, of which a pair
+    may have several, and of fast bodies; each part in the order of (a, b). Beyond `points[i]` points of manifold i hold
     nothing."""
 
     def __init__(self, capacity: int) -> None:
-        self.count = 0
-        self.mesh_start = 0  # the first manifold of meshes
-        self.swept_start = 0  # the first one that was found ahead, where fast bodies will meet within the step
+        self.end: Integers = np.zeros(PARTS, np.int64)  # where each part ends
         self.pair: Integers = np.empty((capacity, 2), np.int64)  # a, b
         self.level: Integers = np.empty(capacity, np.int64)  # at which the two met
         self.points: Integers = np.empty(capacity, np.int64)  # how many
@@ -32,44 +32,76 @@ class Manifolds:
         self.anchor_w: Floats = np.empty((capacity, POINTS, 2, 3))  # m, from the centres of a and b, as the step starts
         self.separation: Floats = np.empty((capacity, POINTS))  # m, negative where they overlap
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)  # names a point from step to step
-        self.impulse: Floats = np.empty((capacity, POINTS, 3))  # N s: along the normal and two tangents, per sub-step
-        self.total: Floats = np.empty((capacity, POINTS))  # N s: along the normal, in the whole step
+        self.impulse: Floats = np.empty((capacity, POINTS))  # N s, along the normal, of the last sub-step
+        self.friction: Floats = np.empty((capacity, 4))  # N s in the world, N m s about the normal; of the last sub-step
+        self.total: Floats = np.empty((capacity, POINTS))  # N s, along the normal, in the whole step
+        self.last_end: Integers = np.zeros(PARTS, np.int64)  # and what is kept of the step before
+        self.last = Last(capacity)
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return int(self.end[-1])
+
+    @count.setter
+    def count(self, count: int) -> None:
+        self.end[-1] = count
 
     @property
     def capacity(self) -> int:
         return len(self.points)
 
-    def empty(self) -> None:
-        """Forgets all contacts."""
-        self.count = self.mesh_start = self.swept_start = 0
+    def forget(self) -> None:
+        """There are no contacts, and there were none."""
+        self.end[:] = self.last_end[:] = 0
 
     def with_room(self, more: int) -> "Manifolds":
         """These, or a larger copy that holds so many more."""
         if self.count + more <= self.capacity:
             return self
         larger = Manifolds(2 * (self.count + more))
-        for name, value in vars(self).items():
-            if isinstance(value, np.ndarray):
-                getattr(larger, name)[: self.count] = value[: self.count]
-            else:
-                setattr(larger, name, value)
+        larger.end[:], larger.last_end[:] = self.end, self.last_end
+        for mine, others, count in ((self, larger, self.count), (self.last, larger.last, self.last_end[-1])):
+            for name, value in vars(mine).items():
+                if isinstance(value, np.ndarray) and len(value) == mine.capacity:
+                    getattr(others, name)[:count] = value[:count]
         return larger
 
-    def start_from(self, old: "Manifolds") -> None:
-        """Takes over the impulses of the step before where a contact goes on."""
-        self.impulse[self.swept_start : self.count] = 0.0
-        for first, count, old_first, old_count in (
-                (0, self.mesh_start, 0, old.mesh_start),
-                (self.mesh_start, self.swept_start, old.mesh_start, old.swept_start)):
-            if count > first:
-                carry_over(first, count, self.pair, self.points, self.normal_w, self.feature, self.impulse,
-                           old_first, old_count, old.pair, old.points, old.normal_w, old.feature, old.impulse)
+
+class Last:
+    """What is kept of a step's manifolds, so that those of the next start where they ended."""
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        self.pair: Integers = np.empty((capacity, 2), np.int64)
+        self.points: Integers = np.empty(capacity, np.int64)
+        self.normal_w: Floats = np.empty((capacity, 3))
+        self.feature: Integers = np.empty((capacity, POINTS), np.int64)
+        self.impulse: Floats = np.empty((capacity, POINTS))
+        self.friction: Floats = np.empty((capacity, 4))
 
 
 @kernel
-def anchor(count, pair, points, point, position, anchors):
-    """Writes for the points of all manifolds where they are from the centres of the two bodies."""
-    for i in range(count):
+def keep(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
+         last_feature, last_impulse, last_friction):
+    """Copies what is kept of the manifolds."""
+    for part in range(end.shape[0]):
+        last_end[part] = end[part]
+    for i in range(end[-1]):
+        last_pair[i, 0], last_pair[i, 1] = pair[i, 0], pair[i, 1]
+        last_points[i] = points[i]
+        for c in range(3):
+            last_normal[i, c] = normal[i, c]
+        for c in range(4):
+            last_friction[i, c] = friction[i, c]
+        for k in range(points[i]):
+            last_feature[i, k], last_impulse[i, k] = feature[i, k], impulse[i, k]
+
+
+@kernel
+def anchor(first, count, pair, points, point, position, anchors):
+    """Writes for the points of manifolds first to count where they are from the centres of the two bodies."""
+    for i in range(first, count):
         for k in range(points[i]):
             for side in range(2):
                 for c in range(3):
@@ -77,41 +109,45 @@ def anchor(count, pair, points, point, position, anchors):
 
 
 @kernel
-def carry_over(first, count, pair, points, normal, feature, impulse, old_first, old_count, old_pair, old_points,
-               old_normal, old_feature, old_impulse):
-    """Starts each point of manifolds first to count with the impulses that the point of the same pair and feature, and
-    of nearly the same normal, ended the last step with. Both stand in the order of their pairs."""
-    old = old_first
-    for i in range(first, count):
-        a, b = pair[i, 0], pair[i, 1]
-        while old < old_count and (old_pair[old, 0] < a or (old_pair[old, 0] == a and old_pair[old, 1] < b)):
-            old += 1
-        for k in range(points[i]):
-            impulse[i, k, 0] = impulse[i, k, 1] = impulse[i, k, 2] = 0.0
-        known = old
-        while known < old_count and old_pair[known, 0] == a and old_pair[known, 1] == b:
-            if (normal[i, 0] * old_normal[known, 0] + normal[i, 1] * old_normal[known, 1]
-                    + normal[i, 2] * old_normal[known, 2]) > SAME_SIDE:
-                for k in range(points[i]):
-                    for m in range(old_points[known]):
-                        if old_feature[known, m] == feature[i, k]:
-                            for c in range(3):
-                                impulse[i, k, c] = old_impulse[known, m, c]
-                            break
-            known += 1
+def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
+               last_feature, last_impulse, last_friction):
+    """Starts each point with the impulse that the point of the same pair and feature, and of nearly the same normal,
+    ended the last step with, and each manifold with its friction. Both stand in the order of their pairs."""
+    for part in range(PARTS):
+        first, last = (end[part - 1], last_end[part - 1]) if part else (0, 0)
+        for i in range(first, end[part]):
+            a, b = pair[i, 0], pair[i, 1]
+            while last < last_end[part] and (last_pair[last, 0] < a
+                                             or (last_pair[last, 0] == a and last_pair[last, 1] < b)):
+                last += 1
+            for k in range(points[i]):
+                impulse[i, k] = 0.0
+            friction[i, 0] = friction[i, 1] = friction[i, 2] = friction[i, 3] = 0.0
+            known = last if part != SWEPT else last_end[part]
+            while known < last_end[part] and last_pair[known, 0] == a and last_pair[known, 1] == b:
+                if (normal[i, 0] * last_normal[known, 0] + normal[i, 1] * last_normal[known, 1]
+                        + normal[i, 2] * last_normal[known, 2]) > SAME_SIDE:
+                    for k in range(points[i]):
+                        for m in range(last_points[known]):
+                            if last_feature[known, m] == feature[i, k]:
+                                impulse[i, k] = last_impulse[known, m]
+                                break
+                    for c in range(4):
+                        friction[i, c] = last_friction[known, c]
+                known += 1
 
 
 @kernel
 def cut_faces(table, count, which, points, normal, point, separation, feature, cut):
     """The manifolds of the columns that `rank` gave a face as axis: the face of the other box that looks most against
-    it, clipped to it. Column k writes what is number which[k] of the arrays. cut: (CUT,) scratch.
+    it, clipped to it. Column k writes what is number which[k] of the arrays, nothing if -1. cut: (CUT,) scratch.
 
     Corners of what both faces cover are corners of the one, corners of the other and crossings of edges: all are
     tried without branches, which would be guessed wrong, and written one over the other until one counts.
     """
     for k in range(count):
         axis = int(table[AXIS + k])
-        if axis >= 6:
+        if axis >= 6 or which[k] < 0:
             continue
         r = 0 if axis < 3 else 1
         face = axis - 3 * r
@@ -221,7 +257,7 @@ def cross_edges(table, count, which, points, normal, point, separation, feature)
     two edges that face each other. Column k writes what is number which[k] of the arrays."""
     for k in range(count):
         axis = int(table[AXIS + k]) - 6
-        if axis < 0:
+        if axis < 0 or which[k] < 0:
             continue
         i = axis // 3
         j = axis - 3 * i

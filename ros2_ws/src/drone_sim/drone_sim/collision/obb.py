@@ -127,7 +127,7 @@ def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, first_
             if bad >= 0:
                 return found, bad
         hits = _list_hits(first, size, hit, which)
-        _enter(table, hits, center_a, axes_a, half_a, which, center_b, axes_b, half_b, which)
+        enter(table, hits, center_a, axes_a, half_a, which, center_b, axes_b, half_b, which)
         rank(table, hits)
         cross_edges(table, hits, row, points, normals, spots, gaps, names)
         cut_faces(table, hits, row, points, normals, spots, gaps, names, cut)
@@ -163,7 +163,7 @@ def contact(center_a, axes_a, half_a, i, center_b, axes_b, half_b, j, margin, at
     Axes have to be orthonormal. Swapping a and b turns the normal, no more.
     """
     index[0], index[1], index[2] = i, j, at
-    _enter(table, 1, center_a, axes_a, half_a, index, center_b, axes_b, half_b, index[1:])
+    enter(table, 1, center_a, axes_a, half_a, index, center_b, axes_b, half_b, index[1:])
     rank(table, 1)
     if table[WIDEST] > margin:
         return 0
@@ -179,7 +179,7 @@ def scratch() -> tuple[Floats, Floats, Integers]:
 
 
 @kernel
-def _enter(table, count, center_a, axes_a, half_a, of_a, center_b, axes_b, half_b, of_b):
+def enter(table, count, center_a, axes_a, half_a, of_a, center_b, axes_b, half_b, of_b):
     """Writes boxes of_a[k] of a and of_b[k] of b into column k, whichever is called a in the same order: the greater
     first, or of two equal ones the lower in the direction in which they are farthest apart. So ties end alike.
 

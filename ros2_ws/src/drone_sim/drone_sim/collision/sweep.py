@@ -29,16 +29,12 @@ STACK = 2 * DEPTH * 7 + 8  # opening a node takes one pair off the stack and put
 
 
 @kernel
-def fast(velocity, spin, half, dt, moving_fast):
-    """Writes which bodies may move some point by more than FRACTION of their smallest side in dt s, and counts them."""
-    count = 0
-    for i in range(half.shape[0]):
-        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
-        turning = math.sqrt(spin[i, 0] ** 2 + spin[i, 1] ** 2 + spin[i, 2] ** 2)
-        radius = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
-        moving_fast[i] = (speed + turning * radius) * dt > 2.0 * FRACTION * min(half[i, 0], half[i, 1], half[i, 2])
-        count += moving_fast[i]
-    return count
+def fast(i, velocity, spin, half, dt):
+    """Whether body i may move some point by more than FRACTION of its smallest side in dt s."""
+    speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
+    turning = math.sqrt(spin[i, 0] ** 2 + spin[i, 1] ** 2 + spin[i, 2] ** 2)
+    radius = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
+    return (speed + turning * radius) * dt > 2.0 * FRACTION * min(half[i, 0], half[i, 1], half[i, 2])
 
 
 @kernel

@@ -1,54 +1,131 @@
-"""Semi-implicit Euler: velocities from forces, then positions from the new velocities."""
+"""Velocities and positions of rigid bodies over a sub-step: the pieces that the schemes of motion.py are made of."""
 
 from drone_sim.kernel import kernel
-from drone_sim.rotation import matrix, turned
+from drone_sim.rotation import matrix, rotate, turned
+
+NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
+CONVERGED = 1e-28  # of the square of an angular momentum
 
 
 @kernel
-def push(orientation, velocity, angular, inverse_mass, inertia, force, torque, h):
-    """Velocities after h s under forces (N) and torques (N m) of the world frame.
+def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """Angular velocity after h s of torque t, both of the world; m: rotation matrix, i: principal moments.
 
-    The gyroscopic torque is taken at the end of the step by one Newton step in the body frame, so that fast spin
-    gains no energy (Catto 2015, Numerical Methods, GDC).
-    """
-    for i in range(velocity.shape[0]):
-        if inverse_mass[i] == 0.0:
-            continue
-        for k in range(3):
-            velocity[i, k] += h * inverse_mass[i] * force[i, k]
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        ix, iy, iz = inertia[i, 0], inertia[i, 1], inertia[i, 2]
-        wx = m[0] * angular[i, 0] + m[3] * angular[i, 1] + m[6] * angular[i, 2]
-        wy = m[1] * angular[i, 0] + m[4] * angular[i, 1] + m[7] * angular[i, 2]
-        wz = m[2] * angular[i, 0] + m[5] * angular[i, 1] + m[8] * angular[i, 2]
-        wx += h * (m[0] * torque[i, 0] + m[3] * torque[i, 1] + m[6] * torque[i, 2]) / ix
-        wy += h * (m[1] * torque[i, 0] + m[4] * torque[i, 1] + m[7] * torque[i, 2]) / iy
-        wz += h * (m[2] * torque[i, 0] + m[5] * torque[i, 1] + m[8] * torque[i, 2]) / iz
-        # f(w') = I (w' - w) + h w' x I w' = 0, one step from w' = w
-        fx, fy, fz = h * wy * wz * (iz - iy), h * wz * wx * (ix - iz), h * wx * wy * (iy - ix)
-        j00, j01, j02 = ix, h * wz * (iz - iy), h * wy * (iz - iy)
-        j10, j11, j12 = h * wz * (ix - iz), iy, h * wx * (ix - iz)
-        j20, j21, j22 = h * wy * (iy - ix), h * wx * (iy - ix), iz
-        c0, c1, c2 = j11 * j22 - j12 * j21, j12 * j20 - j10 * j22, j10 * j21 - j11 * j20
-        scale = 1.0 / (j00 * c0 + j01 * c1 + j02 * c2)
-        wx -= scale * (c0 * fx + (j02 * j21 - j01 * j22) * fy + (j01 * j12 - j02 * j11) * fz)
-        wy -= scale * (c1 * fx + (j00 * j22 - j02 * j20) * fy + (j02 * j10 - j00 * j12) * fz)
-        wz -= scale * (c2 * fx + (j01 * j20 - j00 * j21) * fy + (j00 * j11 - j01 * j10) * fz)
-        for k in range(3):
-            angular[i, k] = m[3 * k] * wx + m[3 * k + 1] * wy + m[3 * k + 2] * wz
+    The gyroscopic torque is that at the end of the step, by one Newton step in the body frame: fast spin gains no
+    energy, it loses some (Catto 2015, Numerical Methods, GDC)."""
+    wx, wy, wz = (m[0] * wx + m[3] * wy + m[6] * wz, m[1] * wx + m[4] * wy + m[7] * wz,
+                  m[2] * wx + m[5] * wy + m[8] * wz)
+    wx += h * (m[0] * tx + m[3] * ty + m[6] * tz) / ix
+    wy += h * (m[1] * tx + m[4] * ty + m[7] * tz) / iy
+    wz += h * (m[2] * tx + m[5] * ty + m[8] * tz) / iz
+    # f(w') = I (w' - w) + h w' x I w' = 0, one step from w' = w
+    fx, fy, fz = h * wy * wz * (iz - iy), h * wz * wx * (ix - iz), h * wx * wy * (iy - ix)
+    dx, dy, dz = _newton(ix, iy, iz, h * wx, h * wy, h * wz, fx, fy, fz)
+    wx, wy, wz = wx - dx, wy - dy, wz - dz
+    return (m[0] * wx + m[1] * wy + m[2] * wz, m[3] * wx + m[4] * wy + m[5] * wz, m[6] * wx + m[7] * wy + m[8] * wz)
 
 
 @kernel
-def move(position, orientation, turn, velocity, angular, movable, h):
-    """Positions and orientations after h s at these velocities; `turn` gathers the rotation since it was unity."""
-    for i in range(position.shape[0]):
-        if not movable[i]:
-            continue
-        wx, wy, wz = angular[i, 0], angular[i, 1], angular[i, 2]
-        q = turned(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], wx, wy, wz, h)
-        t = turned(turn[i, 0], turn[i, 1], turn[i, 2], turn[i, 3], wx, wy, wz, h)
-        for k in range(3):
-            position[i, k] += h * velocity[i, k]
-        for k in range(4):
-            orientation[i, k] = q[k]
-            turn[i, k] = t[k]
+def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
+    """Solves (I + [s] I - [I s]) d = f, the Jacobian of I w + h w x I w with s = h w."""
+    j00, j01, j02 = ix, sz * (iz - iy), sy * (iz - iy)
+    j10, j11, j12 = sz * (ix - iz), iy, sx * (ix - iz)
+    j20, j21, j22 = sy * (iy - ix), sx * (iy - ix), iz
+    c0, c1, c2 = j11 * j22 - j12 * j21, j12 * j20 - j10 * j22, j10 * j21 - j11 * j20
+    scale = 1.0 / (j00 * c0 + j01 * c1 + j02 * c2)
+    return (scale * (c0 * fx + (j02 * j21 - j01 * j22) * fy + (j01 * j12 - j02 * j11) * fz),
+            scale * (c1 * fx + (j00 * j22 - j02 * j20) * fy + (j02 * j10 - j00 * j12) * fz),
+            scale * (c2 * fx + (j01 * j20 - j00 * j21) * fy + (j00 * j11 - j01 * j10) * fz))
+
+
+@kernel
+def spun_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """Angular velocity after h s of torque t, all in the body frame, by the implicit midpoint rule: energy and the
+    length of the angular momentum stay as they are without torque (Austin, Krishnaprasad and Wang 1993, Almost Poisson
+    Integration of Rigid Body Systems)."""
+    ax, ay, az = wx, wy, wz
+    limit = CONVERGED * (ix * ix * wx * wx + iy * iy * wy * wy + iz * iz * wz * wz + 1e-300)
+    for _ in range(NEWTON):
+        mx, my, mz = 0.5 * (ax + wx), 0.5 * (ay + wy), 0.5 * (az + wz)
+        fx = ix * (ax - wx) + h * (my * mz * (iz - iy) - tx)
+        fy = iy * (ay - wy) + h * (mz * mx * (ix - iz) - ty)
+        fz = iz * (az - wz) + h * (mx * my * (iy - ix) - tz)
+        if fx * fx + fy * fy + fz * fz < limit:
+            break
+        dx, dy, dz = _newton(ix, iy, iz, 0.5 * h * mx, 0.5 * h * my, 0.5 * h * mz, fx, fy, fz)
+        ax, ay, az = ax - dx, ay - dy, az - dz
+    return ax, ay, az
+
+
+@kernel
+def cayley(q, i, wx, wy, wz, h):
+    """Turns orientation i of q by h s at the angular velocity w of the body frame, as the midpoint rule does: the
+    angular momentum in the world then stays exactly as it is."""
+    x, y, z, w = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+    ax, ay, az = 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz
+    nx, ny, nz = x + w * ax + y * az - z * ay, y + w * ay + z * ax - x * az, z + w * az + x * ay - y * ax
+    nw = w - x * ax - y * ay - z * az
+    norm = 1.0 / (nx * nx + ny * ny + nz * nz + nw * nw) ** 0.5
+    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = nx * norm, ny * norm, nz * norm, nw * norm
+
+
+@kernel
+def to_body(orientation, i, x, y, z):
+    """A vector of the world in the frame of body i."""
+    return rotate(-orientation[i, 0], -orientation[i, 1], -orientation[i, 2], orientation[i, 3], x, y, z)
+
+
+@kernel
+def to_world(orientation, i, x, y, z):
+    """A vector of the frame of body i in the world."""
+    return rotate(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], x, y, z)
+
+
+@kernel
+def push_euler(i, orientation, velocity, angular, inverse_mass, inertia, force, torque, h):
+    """Velocities of body i after h s of force (N) and torque (N m) of the world frame: semi-implicit Euler."""
+    for c in range(3):
+        velocity[i, c] += h * inverse_mass[i] * force[i, c]
+    m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+    angular[i, 0], angular[i, 1], angular[i, 2] = spun_euler(
+        m, inertia[i, 0], inertia[i, 1], inertia[i, 2], angular[i, 0], angular[i, 1], angular[i, 2],
+        torque[i, 0], torque[i, 1], torque[i, 2], h)
+
+
+@kernel
+def push_midpoint(i, orientation, velocity, angular, inverse_mass, inertia, force, torque, h):
+    """The same by the midpoint rule, without loss of energy; the orientation stays."""
+    for c in range(3):
+        velocity[i, c] += h * inverse_mass[i] * force[i, c]
+    wx, wy, wz = to_body(orientation, i, angular[i, 0], angular[i, 1], angular[i, 2])
+    tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
+    wx, wy, wz = spun_midpoint(inertia[i, 0], inertia[i, 1], inertia[i, 2], wx, wy, wz, tx, ty, tz, h)
+    angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, wx, wy, wz)
+
+
+@kernel
+def move(i, position, orientation, velocity, angular, h):
+    """Position and orientation of body i after h s at these velocities."""
+    for c in range(3):
+        position[i, c] += h * velocity[i, c]
+    (orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]) = turned(
+        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
+        angular[i, 0], angular[i, 1], angular[i, 2], h)
+
+
+@kernel
+def moved(i, position, orientation, start, shift):
+    """Writes how far body i has moved and turned since start (n, 7): (n, 12), the way, and rows of the rotation's
+    matrix less the identity."""
+    for c in range(3):
+        shift[i, c] = position[i, c] - start[i, c]
+    x, y, z, w = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
+    a, b, c, d = -start[i, 3], -start[i, 4], -start[i, 5], start[i, 6]
+    qx, qy, qz = w * a + x * d + y * c - z * b, w * b + y * d + z * a - x * c, w * c + z * d + x * b - y * a
+    qw = w * d - x * a - y * b - z * c
+    shift[i, 3], shift[i, 4], shift[i, 5] = -2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy - qz * qw), 2.0 * (
+        qx * qz + qy * qw)
+    shift[i, 6], shift[i, 7], shift[i, 8] = 2.0 * (qx * qy + qz * qw), -2.0 * (qx * qx + qz * qz), 2.0 * (
+        qy * qz - qx * qw)
+    shift[i, 9], shift[i, 10], shift[i, 11] = 2.0 * (qx * qz - qy * qw), 2.0 * (qy * qz + qx * qw), -2.0 * (
+        qx * qx + qy * qy)
