@@ -14,6 +14,7 @@ from drone_sim.world import World
 
 G = 9.80665  # m/s^2
 GRAVITY = "gravity: {}"
+DEFAULT = Dynamics().integrator
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Setting:
 
     rate: float = 30.0  # Hz
     substeps: int = 8
-    integrator: str = "semi_implicit_euler"
+    integrator: str = DEFAULT
     sleep: bool = False
 
     def yaml(self) -> str:

@@ -64,11 +64,11 @@ def tumble(setting: Setting, seconds: float = SECONDS) -> Outcome:
         places.append(place)
         turns.append(turn)
     order = order_of(turns, steps)
-    typical = 0.5 * G * seconds * steps[-1]
-    return Outcome((Reached("order of convergence off by", abs(order - ORDERS[setting.integrator]), 0.2),
-                    Reached("position off, of g T h / 2", places[-1] / typical, TYPICAL)),
-                   {"step_s": np.array(steps), "position_m": np.array(places), "attitude_rad": np.array(turns),
-                    "order": np.array([order])})
+    reached = [Reached("order of convergence off by", abs(order - ORDERS[setting.integrator]), 0.2)]
+    if ORDERS[setting.integrator] > 1:  # one of first order is off by that much, by its nature
+        reached.append(Reached("position off, of g T h / 2", places[-1] / (0.5 * G * seconds * steps[-1]), TYPICAL))
+    return Outcome(tuple(reached), {"step_s": np.array(steps), "position_m": np.array(places),
+                                    "attitude_rad": np.array(turns), "order": np.array([order])})
 
 
 def spin(setting: Setting, seconds: float = MINUTE) -> Outcome:
