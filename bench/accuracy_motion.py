@@ -4,9 +4,6 @@ python bench/accuracy_motion.py writes docs/accuracy/dynamics.json and .md; figu
 former.
 """
 
-import argparse
-import json
-import os
 import statistics
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -16,9 +13,7 @@ from typing import Any, NamedTuple
 from box_world import Setting
 from engines import Engine, MuJoCo, Ours, PyBullet
 from motion_cases import INTEGRATORS
-from motion_problems import PROBLEMS, Problem
-from report import Row, machine, report
-from rich.progress import Progress
+from motion_problems import Problem
 
 OUT = Path(__file__).parents[1] / "docs" / "accuracy"
 RATES = (30.0, 60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0)  # Hz

@@ -1,12 +1,15 @@
 """What a case of motion comes to: numbers beside the limits that they are held to, and what was measured on the way."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from drone_sim.arrays import Floats
 
-SHOWN = 400  # points of a series that a plot needs
+SHOWN = 250  # points of a series that a plot needs
+DIGITS = 4  # of a number in a plot
 
 
 @dataclass(frozen=True)
@@ -39,10 +42,19 @@ class Outcome:
         return [str(one) for one in self.reached if not one.met]
 
 
-def thinned(series: dict[str, list[float]]) -> dict[str, Floats]:
-    """Of each run of points the first, the last, and in between those that a plot of SHOWN points can show."""
-    found = {}
-    for name, values in series.items():
-        stride = max(1, len(values) // SHOWN)
-        found[name] = np.array(values[::stride], float)
-    return found
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"reached": [{"what": one.what, "value": one.value, "limit": one.limit, "unit": one.unit, "met": one.met}
+                            for one in self.reached],
+                "series": {name: _rounded(values) for name, values in self.series.items()}}
+
+
+def thinned(series: Mapping[str, Sequence[Any]]) -> dict[str, Floats]:
+    """Every so many points, as a plot of SHOWN points can show; each row a number or several."""
+    return {name: np.array(values[::max(1, len(values) // SHOWN)], float) for name, values in series.items()}
+
+
+def _rounded(values: Floats) -> Any:
+    if values.ndim > 1:
+        return [_rounded(row) for row in values]
+    return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]

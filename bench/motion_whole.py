@@ -23,11 +23,15 @@ def plate(setting: Setting, shots: int = 10_000) -> Outcome:
     """Cubes are shot at thin plates, from any side, at any speed and spin: none may get through."""
     boxes = {f"cube_{i}": Box((CUBE,) * 3, (APART * i, 0.0, 1.0), 0.125, 0.5, 0.2) for i in range(AT_ONCE)}
     boxes |= {f"plate_{i}": Box(PLATE, (APART * i, 0.0, 0.0), None, 0.5, 0.2) for i in range(AT_ONCE)}
-    world, rng, through, speeds = world_of(boxes, setting, effects=""), np.random.default_rng(0), 0, []
+    world, rng, through = world_of(boxes, setting, effects=""), np.random.default_rng(0), 0
+    speeds: list[float] = []
+    nearest: list[float] = []
     for _ in range(shots // AT_ONCE):
         world.reset()
         speed = _aim(world, rng)
         passed, before = np.zeros(AT_ONCE, bool), _from_plates(world)
+        side = np.sign(before[:, 2])
+        near = np.full(AT_ONCE, np.inf)  # m, in front of the plate, behind it if negative
         for _ in range(STEPS):
             world.run(1)
             now = _from_plates(world)
@@ -35,11 +39,14 @@ def plate(setting: Setting, shots: int = 10_000) -> Outcome:
             part = before[:, 2] / np.where(crossed, before[:, 2] - now[:, 2], 1.0)
             at = before[:, :2] + part[:, None] * (now - before)[:, :2]
             passed |= crossed & (np.abs(at) < 0.5 * PLATE[0]).all(axis=1)
+            over = (np.abs(now[:, :2]) < 0.5 * PLATE[0]).all(axis=1)
+            near = np.where(over | passed, np.minimum(near, side * now[:, 2]), near)
             before = now
         through += int(passed.sum())
-        speeds += speed[passed].tolist()
+        speeds += speed.tolist()
+        nearest += np.where(np.isfinite(near), near, side * before[:, 2]).tolist()
     return Outcome((Reached(f"through the plate, of {shots // AT_ONCE * AT_ONCE}", float(through), 0.0),),
-                   {"speed_m_s": np.array(speeds)})
+                   thinned({"speed_m_s": speeds, "nearest_m": nearest}))
 
 
 def _from_plates(world: World) -> Floats:
@@ -80,27 +87,31 @@ def island(setting: Setting, steps: int = 1_000_000) -> Outcome:
                       (s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w))
         t.append(world.time - SETTLED)
         away.append((1000.0 * np.linalg.norm(s.position_w[moving] - start, axis=1)).tolist())
-    series = thinned({"time_s": t} | {f"{name}_mm": list(row) for name, row in zip(names, zip(*away, strict=True),
-                                                                                  strict=True)})
+    series = thinned({"time_s": t, **{f"{name}_mm": row for name, row in zip(names, zip(*away, strict=True),
+                                                                             strict=True)}})
     return Outcome((Reached("numbers not finite", 0.0 if finite else 1.0, 0.0),
                     Reached("at rest, yet moved", float(np.max(away)), 1.0, "mm")), series)
 
 
 def repeats(setting: Setting, steps: int = 600) -> Outcome:
     """Two worlds of one scene with the same commands, hash beside hash: a heap of crates, and a drone that flies in."""
-    different, hashes = 0, []
+    different, hashes, t = 0, [], []
     worlds = [heap(setting), heap(setting)]
+    heights: tuple[list[Floats], list[Floats]] = [], []
     for commands in flight(steps):
-        for world in worlds:
+        for world, z in zip(worlds, heights, strict=True):
             world.step(commands)
+            z.append(world.state.position_w[:25, 2].copy())
         first, second = (world.state.hash() for world in worlds)
         different += first != second
         hashes.append(first)
+        t.append(worlds[0].time)
     worlds[0].reset()
     for commands, expected in zip(flight(steps), hashes, strict=True):
         worlds[0].step(commands)
         different += worlds[0].state.hash() != expected
-    return Outcome((Reached("steps with another state", float(different), 0.0),))
+    return Outcome((Reached("steps with another state", float(different), 0.0),),
+                   thinned({"time_s": t, "first_m": heights[0], "second_m": heights[1]}))
 
 
 def heap(setting: Setting) -> World:
@@ -122,13 +133,14 @@ def flight(steps: int) -> Iterator[dict[str, Command]]:
 def stall(setting: Setting, seconds: float = 5.0) -> Outcome:
     """The wall clock stands still for so long in the middle of a fall: simulated time goes on where it was."""
     smooth, stalled = heap(setting), heap(setting)
-    pacer, wall, most, t, lag = Pacer(setting.rate, 1.0), 0.0, 0, [0.0], [0.0]
+    pacer, wall, most, clock, t, lag = Pacer(setting.rate, 1.0), 0.0, 0, [0.0], [0.0], [0.0]
     while stalled.time < 4.0:
         wall += pacer.period * 1.001 + (seconds if stalled.time > 2.0 and not pacer.lag else 0.0)
         due = pacer.due(wall)
         for _ in range(due):
             stalled.step()
         most = max(most, due)
+        clock.append(wall)
         t.append(stalled.time)
         lag.append(pacer.lag)
     while smooth.time < stalled.time:
@@ -138,4 +150,4 @@ def stall(setting: Setting, seconds: float = 5.0) -> Outcome:
                     Reached("another state than without the stall", float(smooth.state.hash() != stalled.state.hash()),
                             0.0),
                     Reached("time lost and not reported, in steps", abs(missing) / pacer.period, 1.5)),
-                   thinned({"time_s": t, "lag_s": lag}))
+                   thinned({"wall_s": clock, "time_s": t, "lag_s": lag}))
