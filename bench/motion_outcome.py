@@ -8,7 +8,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats
 
-SHOWN = 250  # points of a series that a plot needs
+SHOWN = 200  # points of a series that a plot needs
 DIGITS = 4  # of a number in a plot
 
 

@@ -101,7 +101,7 @@ def repeats(setting: Setting, steps: int = 600) -> Outcome:
     for commands in flight(steps):
         for world, z in zip(worlds, heights, strict=True):
             world.step(commands)
-            z.append(world.state.position_w[:25, 2].copy())
+            z.append(world.state.position_w[:25:3, 2].copy())
         first, second = (world.state.hash() for world in worlds)
         different += first != second
         hashes.append(first)
@@ -111,7 +111,7 @@ def repeats(setting: Setting, steps: int = 600) -> Outcome:
         worlds[0].step(commands)
         different += worlds[0].state.hash() != expected
     return Outcome((Reached("steps with another state", float(different), 0.0),),
-                   thinned({"time_s": t, "first_m": heights[0], "second_m": heights[1]}))
+                   thinned({"time_s": t[:150], "first_m": heights[0][:150], "second_m": heights[1][:150]}))
 
 
 def heap(setting: Setting) -> World:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from motion_panels import PANELS
 
 OUT = Path(__file__).parents[1] / "docs" / "hard_cases"
+HOLDS = "#2f8f5b"
 SHAPES: dict[str, Callable[[Figure], None]] = {
     "tumble": motion_shapes.tumble, "spin": motion_shapes.spin, "stack": motion_shapes.stack,
     "mass_ratio": motion_shapes.mass_ratio, "bounce": motion_shapes.bounce, "plate": motion_shapes.plate,
@@ -27,8 +28,16 @@ def draw(name: str, case: dict[str, Any]) -> Figure:
     """What moves on the left, one or two panels on the right."""
     figure = style.sheet(case["title"], f"{case['tries']} Held to: {case['held_to']}.")
     SHAPES[name](figure)
+    holds = all(one["met"] for run in case["runs"] for one in run["reached"])
+    style.label(figure, 0.985, 0.945, "holds" if holds else "known failure", ha="right", fontsize=10.5,
+                fontweight="bold", color=HOLDS if holds else style.MISSED)
     for panel, place in zip(PANELS[name], motion_shapes.places(len(PANELS[name])), strict=True):
         panel(figure, place, case["runs"])
+    meanings = {label: line for axes in figure.axes
+                for line, label in zip(*axes.get_legend_handles_labels(), strict=True) if not axes.get_legend()}
+    if len(meanings) > 1:
+        figure.legend(meanings.values(), meanings.keys(), loc="lower right", ncols=min(len(meanings), 4),
+                      frameon=False, fontsize=8.5, bbox_to_anchor=(0.995, -0.01), columnspacing=1.4)
     return figure
 
 

@@ -12,6 +12,10 @@ from matplotlib.figure import Figure
 
 GRID, GREY = "#e6e9ed", "#5b6570"
 COLOURS = (style.FIRST, style.SECOND, "#7d5ba6", "#3d9970")
+LINES: tuple[dict[str, Any], ...] = (
+    {"color": COLOURS[0], "linewidth": 2.4, "zorder": 5, "alpha": 0.85},
+    {"color": COLOURS[1], "linewidth": 1.5, "zorder": 6, "linestyle": (0, (5, 2.5))},
+    {"color": COLOURS[2], "linewidth": 1.5, "zorder": 7, "linestyle": (0, (1.5, 1.5))})
 Run = dict[str, Any]
 Panel = Callable[[Figure, style.Place, Sequence[Run]], None]
 ORDERS = {1: "first order", 2: "second order", 4: "fourth order"}
@@ -37,30 +41,33 @@ def limit(axes: Axes, value: float, text: str) -> None:
                   ha="right", va="bottom", fontsize=8, color=style.MISSED)
 
 
-def names(axes: Any, where: str = "best") -> None:
-    """Which line is which setting, if there are several."""
-    if len(axes.get_legend_handles_labels()[0]) > 1:
-        axes.legend(loc=where, frameon=False, fontsize=8, handlelength=1.6, labelcolor=style.INK)
+def names(axes: Any, where: str) -> None:
+    axes.legend(loc=where, frameon=False, fontsize=8, handlelength=1.6, labelcolor=style.INK)
 
 
 def over_time(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, up: str,
-              bound: float | None = None, text: str = "", log: bool = False, both: bool = False) -> None:
-    """One line for each setting; bound: on both sides if `both`."""
+              bound: float | None = None, text: str = "", log: bool = False, both: bool = False, late: bool = True,
+              scale: float = 1.0) -> None:
+    """One line for each setting. bound: on both sides if `both`; log: of the values; late: time is linear, else not;
+    scale: of the values, to the unit that is shown."""
     axes = empty(figure, place, title, "time, s", up)
     least = 1e-4 * (bound or 1.0)
     for i, run in enumerate(runs):
-        t, values = run["series"]["time_s"], np.array(run["series"][series])
-        axes.plot(t[: len(values)], np.maximum(values, least) if log else values, color=COLOURS[i], linewidth=1.6,
-                  label=run["setting"], zorder=5 - i, linestyle=("-", (0, (4, 2)))[i % 2])
+        values = scale * np.array(run["series"][series])
+        t = np.array(run["series"]["time_s"])[: len(values)]
+        axes.plot(t[not late :], (np.maximum(values, least) if log else values)[not late :], label=run["setting"],
+                  **LINES[i])
     if log:
         axes.set_yscale("log")
+    if not late:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     if bound is not None:
         limit(axes, bound, text)
         if both:
             limit(axes, -bound, "")
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (2.5 if log else 1.0) + (0.0 if log else 0.12 * (high - low)))
-    names(axes)
+    axes.set_ylim(low, high * (2.5 if log else 1.0) + (0.0 if log else 0.08 * (high - low)))
 
 
 def convergence(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, up: str) -> None:
@@ -92,37 +99,36 @@ def shots(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     behind = near < 0.0
     axes.plot(speed[~behind], np.minimum(near[~behind], 12.0), "o", markersize=3.5, color=style.FIRST, alpha=0.7,
               zorder=3)
-    axes.plot(speed[behind], np.maximum(near[behind], -6.0), "X", markersize=7, color=style.MISSED, zorder=4)
-    axes.set_ylim(-7, 12.5)
-    axes.text(1000.0, -0.9, "the plate", fontsize=8, color=GREY, ha="right", va="top")
-    axes.text(1000.0, -6.5, "behind it", fontsize=8, color=style.MISSED, ha="right")
+    axes.plot(speed[behind], np.maximum(near[behind], -5.0), "X", markersize=7, color=style.MISSED, zorder=4)
+    axes.set(xlim=(0.9, 1100.0), ylim=(-7, 12.5))
+    axes.text(1050.0, -0.8, "the plate", fontsize=8, color=GREY, ha="right", va="top")
+    axes.text(1050.0, -6.6, "behind it", fontsize=8, color=style.MISSED, ha="right")
+    axes.text(1050.0, 11.2, "12 cm or more", fontsize=8, color=style.FIRST, ha="right", va="top")
 
 
 def slide(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     """Speed beside Coulomb's."""
-    axes = empty(figure, place, "It slides as Coulomb says", "time, s", "speed, cm/s")
+    axes = empty(figure, place, "Speed", "time, s", "cm/s")
+    t = np.array(runs[0]["series"]["time_s"])
     for i, run in enumerate(runs):
-        t = np.array(run["series"]["time_s"])
-        axes.plot(t, 100.0 * np.array(run["series"]["speed_m_s"]), color=COLOURS[i], linewidth=3.0 - 1.6 * i,
-                  label=run["setting"])
+        axes.plot(t, 100.0 * np.array(run["series"]["speed_m_s"]), label=run["setting"], **LINES[i])
     expected = runs[0]["series"]["expected_m_s2"][0]
-    axes.plot(t, 100.0 * expected * t, color=style.MISSED, linewidth=1.2, linestyle=(0, (5, 3)), zorder=6,
-              label="g (sin a - mu cos a) t")
-    names(axes)
+    axes.plot(t[::12], 100.0 * expected * t[::12], "o", color=style.MISSED, markersize=4, zorder=8,
+              label="Coulomb: g (sin a - µ cos a) t")
 
 
 def drifts(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     """How far each thing that can move is from where it came to rest."""
-    axes = empty(figure, place, "Everything that can move", "simulated time, h", "moved since it came to rest, mm")
     series = runs[0]["series"]
+    most = max(one["value"] for one in runs[0]["reached"] if one["unit"] == "mm")
+    axes = empty(figure, place, f"Moved since it came to rest: {most:.1g} mm at most", "simulated time, h", "mm")
     for i, name in enumerate(name for name in series if name.endswith("_mm")):
-        away = np.maximum(np.array(series[name]), 1e-12)
+        away = np.maximum(np.array(series[name]), 1e-15)
         axes.plot(np.array(series["time_s"]) / 3600.0, away, linewidth=1.5, color=colormaps["tab10"](i),
                   label=name.removesuffix("_mm").replace("_", " "))
     axes.set_yscale("log")
-    axes.set_ylim(5e-13, 30.0)
+    axes.set_ylim(5e-16, 30.0)
     limit(axes, 1.0, "1 mm")
-    axes.legend(loc="center right", frameon=False, fontsize=8, ncols=2)
 
 
 def twice(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
@@ -130,12 +136,12 @@ def twice(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     series = runs[0]["series"]
     t, first, second = np.array(series["time_s"]), np.array(series["first_m"]), np.array(series["second_m"])
     differ = sum(one["value"] for run in runs for one in run["reached"])
-    axes = empty(figure, place, f"{differ:.0f} states differ", "time, s", "heights of 24 crates and the drone, m")
-    axes.plot(t, first, color=style.FIRST, linewidth=2.2, alpha=0.55)
-    axes.plot(t[::6], second[::6], ".", color=style.SECOND, markersize=3.2)
-    axes.plot([], [], color=style.FIRST, linewidth=2.2, label="once")
-    axes.plot([], [], ".", color=style.SECOND, label="again")
-    names(axes, "upper right")
+    axes = empty(figure, place, f"{differ:.0f} states differ", "time, s", "heights of crates and of the drone, m")
+    for i in range(first.shape[1]):
+        label = {"label": "once"} if i == 0 else {}
+        axes.plot(t, first[:, i], color=style.FIRST, linewidth=2.6, alpha=0.55, **label)
+        label = {"label": "again"} if i == 0 else {}
+        axes.plot(t[::2], second[::2, i], ".", color=style.SECOND, markersize=3.4, **label)
 
 
 def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
@@ -143,31 +149,34 @@ def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     series = runs[0]["series"]
     axes = empty(figure, place, "Simulated time goes on where it was", "wall clock, s", "s")
     axes.plot(series["wall_s"], series["wall_s"], color=GREY, linewidth=1.0, linestyle=(0, (2, 2)), label="wall clock")
-    axes.plot(series["wall_s"], series["time_s"], color=style.FIRST, linewidth=2.0, label="simulated time")
-    axes.plot(series["wall_s"], series["lag_s"], color=style.MISSED, linewidth=1.6, label="lag reported")
-    names(axes, "upper left")
+    for name, colour, label in (("time_s", style.FIRST, "simulated time"), ("lag_s", style.MISSED, "lag reported")):
+        axes.plot(series["wall_s"], series[name], color=colour, linewidth=2.0, label=label, drawstyle="steps-post")
 
 
 PANELS: dict[str, tuple[Panel, ...]] = {
     "tumble": (partial(convergence, series="attitude_rad", title="Attitude after 10 s", up="error, rad"),
                partial(convergence, series="position_m", title="Position after 10 s", up="error, m")),
     "spin": (partial(over_time, series="energy_percent", title="Energy", up="change, %", bound=0.1, text="0.1 %",
-                     both=True),
+                     both=True, late=False),
              partial(over_time, series="momentum_percent", title="Angular momentum", up="change, %", bound=0.1,
-                     text="0.1 %", log=True)),
-    "stack": (partial(over_time, series="moved_mm", title="The top box", up="moved, mm", bound=1.0, text="1 mm"),
-              partial(over_time, series="energy_mJ", title="Total energy", up="over the start, mJ")),
+                     text="0.1 %", log=True, late=False)),
+    "stack": (partial(over_time, series="moved_mm", title="The top box", up="moved, mm", bound=1.0, text="1 mm",
+                      late=False),
+              partial(over_time, series="energy_mJ", title="Total energy", up="over the start, mJ", late=False)),
     "mass_ratio": (partial(over_time, series="depth_percent", title="Deepest penetration", up="of the smaller box, %",
-                           bound=1.0, text="1 %", log=True),),
+                           bound=1.0, text="1 %", log=True, late=False),),
     "bounce": (partial(over_time, series="height_m", title="Height", up="m"),
                partial(over_time, series="energy_percent", title="Energy", up="change, %", bound=1.0, text="1 %",
                        both=True)),
     "plate": (shots,),
-    "corner": (partial(over_time, series="depth_mm", title="Penetration", up="mm", bound=1.0, text="1 mm", log=True),
-               partial(over_time, series="speed_cm_s", title="Speed", up="cm/s", bound=1.0, text="1 cm/s", log=True)),
+    "corner": (partial(over_time, series="depth_mm", title="Penetration", up="mm", bound=1.0, text="1 mm", log=True,
+                       late=False),
+               partial(over_time, series="speed_cm_s", title="Speed", up="cm/s", bound=1.0, text="1 cm/s", log=True,
+                       late=False)),
     "inside": (partial(over_time, series="speed_m_s", title="The fastest of 48 crates", up="m/s", bound=1.0,
                        text="1 m/s"),),
-    "sticks": (partial(over_time, series="path_m", title="The way down", up="m", bound=0.001, text="1 mm"),),
+    "sticks": (partial(over_time, series="path_m", title="The way down", up="mm", scale=1000.0, bound=1.0,
+                       text="1 mm"),),
     "slides": (slide,),
     "island": (drifts,),
     "repeats": (twice,),

@@ -17,8 +17,8 @@ ARROW = style.MISSED
 def places(count: int) -> list[style.Place]:
     """Where the panels stand."""
     if count == 1:
-        return [(0.435, 0.135, 0.545, 0.605)]
-    return [(0.40, 0.135, 0.255, 0.605), (0.735, 0.135, 0.255, 0.605)]
+        return [(0.435, 0.185, 0.545, 0.565)]
+    return [(0.405, 0.185, 0.25, 0.565), (0.735, 0.185, 0.25, 0.565)]
 
 
 def turn_about(axis: int, angle: float) -> Floats:
@@ -96,7 +96,7 @@ def plate(figure: Figure) -> None:
 
 
 def corner(figure: Figure) -> None:
-    axes = style.space(figure, LEFT, (-1.6, -1.6, 0.2), (2.2, 2.2, 2.6), (32, -122), 1.35)
+    axes = style.space(figure, LEFT, (-1.2, -1.2, 0.2), (2.2, 2.2, 2.4), (34, -128), 1.3)
     style.draw_box(axes, np.array([2.1, 0.3, 1.2]), np.eye(3), np.array([0.1, 1.9, 1.0]), GROUND, 0.45, zorder=1)
     style.draw_box(axes, np.array([0.3, 2.1, 1.2]), np.eye(3), np.array([1.7, 0.1, 1.0]), GROUND, 0.45, zorder=1)
     for x, alpha in ((-0.6, 0.15), (0.6, 0.3), (1.74, 0.7)):
@@ -106,11 +106,11 @@ def corner(figure: Figure) -> None:
 
 
 def inside(figure: Figure) -> None:
-    axes = style.space(figure, LEFT, (-0.6, -0.6, -0.5), (0.9, 0.9, 0.7), (18, -58), 1.35)
+    axes = style.space(figure, LEFT, (-0.6, -0.6, -0.5), (0.9, 0.9, 0.7), (18, -58), 1.2)
     style.draw_box(axes, np.zeros(3), np.eye(3), np.full(3, 0.3), style.FIRST, 0.35)
     style.draw_box(axes, np.array([0.28, 0.2, 0.12]), turn_about(2, 0.5), np.full(3, 0.3), style.SECOND, 0.35)
-    arrow(axes, (-0.35, -0.2, 0.0), (-0.35, -0.2, -0.1))
-    arrow(axes, (0.62, 0.42, 0.2), (0.35, 0.2, 0.1))
+    arrow(axes, (-0.32, -0.2, 0.0), (-0.24, -0.14, -0.08))
+    arrow(axes, (0.6, 0.42, 0.2), (0.24, 0.14, 0.08))
 
 
 def slope(figure: Figure) -> None:
