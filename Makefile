@@ -32,21 +32,26 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-bench: $(VENV)/peers  ## collisions against coal and FCL, then the whole graph; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## collisions, motion and the whole graph beside other libraries; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
+	@$(RUN) bench/dynamics.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
-hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minutes); make hard-cases ARGS="--count 1000"
+hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
 	@$(RUN) bench/hard_cases.py $(ARGS)
+	@$(RUN) figures/motion_hard_cases.py
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
+	@$(RUN) figures/motion_hard_cases.py
 
-accuracy: build  ## measure what accuracy costs: tables, numbers and plots, in two minutes
+accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plots, in five minutes
 	@$(RUN) bench/accuracy.py
 	@$(RUN) figures/accuracy_plot.py
+	@$(RUN) bench/accuracy_motion.py
+	@$(RUN) figures/motion_accuracy_plot.py
 
 lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

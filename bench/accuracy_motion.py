@@ -4,66 +4,77 @@ python bench/accuracy_motion.py writes docs/accuracy/dynamics.json and .md; figu
 former.
 """
 
-import statistics
-from collections.abc import Callable, Iterator, Sequence
+import argparse
+import json
+import os
+from collections.abc import Iterator, Sequence
+from importlib.metadata import version
 from pathlib import Path
-from time import process_time
-from typing import Any, NamedTuple
+from typing import Any
 
-from box_world import Setting
-from engines import Engine, MuJoCo, Ours, PyBullet
-from motion_cases import INTEGRATORS
-from motion_problems import Problem
+import effect_costs
+from motion_accuracy_text import text
+from motion_problems import PROBLEMS, REFERENCE
+from report import Row, machine, report
+from rich.progress import Progress
+from work_precision import IN_CONTACT, QUICK_RATES, RATES, SUBSTEPPED, SUBSTEPS, lines, measure
 
 OUT = Path(__file__).parents[1] / "docs" / "accuracy"
-RATES = (30.0, 60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0)  # Hz
-SUBSTEPS = (1, 2, 4, 8, 16, 32)  # at a rate of SUBSTEPPED Hz
-SUBSTEPPED = 60.0
-IN_CONTACT = 4  # sub-steps in problems with contacts while the step is varied
-SPENT = 0.1  # s of CPU time at least in one timing
-REPEATS = 3
+# Of Gazebo's benchmark 'boxes': engine, step in ms, error of the position in m, ms of CPU time per simulated s there.
+PUBLISHED = (("ODE", 1.0, 0.049, 56.0), ("ODE", 0.1, 0.0049, 550.0), ("Bullet", 1.0, 0.049, 64.0),
+             ("Simbody", 1.0, 0.0245, 127.0))
 
 
-class Line(NamedTuple):
-    """One curve: an engine made for each step, 1 / rate / sub-steps."""
-
-    name: str
-    make: Callable[[Problem, float, int], Engine]
-    points: Sequence[tuple[float, int]]  # rate, sub-steps
-
-
-def lines(problem: str, rates: Sequence[float]) -> Iterator[Line]:
-    """Ours with each integrator and with more and more sub-steps, then the others."""
-    free = problem == "flight"
-    for integrator in INTEGRATORS if free else INTEGRATORS[:1]:
-        yield Line(integrator, lambda p, rate, n, how=integrator: Ours(p.what, Setting(rate, n, how)),
-                   [(rate, 1 if free else IN_CONTACT) for rate in rates])
-    yield Line("sub-steps", lambda p, rate, n: Ours(p.what, Setting(rate, n)), [(SUBSTEPPED, n) for n in SUBSTEPS])
-    for scheme in ("EULER", "RK4") if free else ("EULER",):
-        yield Line("MuJoCo" if scheme == "EULER" else "MuJoCo RK4",
-                   lambda p, rate, _, how=scheme: MuJoCo(p.what, rate, integrator=how), [(rate, 1) for rate in rates])
-    yield Line("PyBullet", lambda p, rate, _: PyBullet(p.what, rate), [(rate, 1) for rate in rates])
+def diagrams(rates: Sequence[float], progress: Progress) -> dict[str, Any]:
+    """The points of all lines of all problems."""
+    found: dict[str, Any] = {}
+    for name, problem in PROBLEMS.items():
+        made = problem()
+        curves = list(lines(name, rates))
+        task = progress.add_task(made.title, total=sum(len(line.points) for line in curves))
+        found[name] = {"title": made.title, "seconds": made.seconds, "lines": {}}
+        for line in curves:
+            points = found[name]["lines"][line.name] = []
+            for point in measure(made, line):
+                points.append(point)
+                progress.advance(task)
+    return found
 
 
-def measure(problem: Problem, line: Line) -> Iterator[dict[str, Any]]:
-    """Error at the end and ms of CPU time per simulated s, for each point of a line."""
-    for rate, substeps in line.points:
-        engine = line.make(problem, rate, substeps)
-        steps = round(problem.seconds * rate)
-        engine.run(3)  # compiles
-        engine.reset()
-        engine.run(steps)
-        errors = dict(problem.errors(engine.positions(), engine.orientations()))
-        yield {"rate": rate, "substeps": substeps, "cost_ms": cost(engine, steps) / problem.seconds, **errors}
-        engine.close()
+def rows(result: dict[str, Any]) -> Iterator[Row]:
+    """The ends of the lines, and the effects, for the terminal and bench/results."""
+    for problem in result["problems"].values():
+        for line, points in problem["lines"].items():
+            best = points[-1]
+            work = f"{problem['title']}, {line}, {best['rate']:g} Hz x {best['substeps']}"
+            yield Row(f"{work}: position off", "m", best["position"])
+            yield Row(f"{work}: CPU per simulated s", "ms", best["cost_ms"])
+    for effect, cost in result["effects"].items():
+        yield Row(f"effect {effect}: CPU per step", "us", cost["us"])
+        yield Row(f"effect {effect}: off without it after {cost['seconds']:g} s", "m", cost["off_m"])
 
 
-def cost(engine: Engine, steps: int) -> float:
-    """ms of CPU time of so many steps from the start, the median."""
-    taken: list[float] = []
-    while len(taken) < REPEATS or (sum(taken) < SPENT and len(taken) < 100):
-        engine.reset()
-        begin = process_time()
-        engine.run(steps)
-        taken.append(process_time() - begin)
-    return 1000.0 * statistics.median(taken)
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="accuracy_motion", description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer steps: within a minute")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder to write to")
+    options = parser.parse_args()
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    rates = QUICK_RATES if options.quick else RATES
+    with Progress() as progress:
+        problems = diagrams(rates, progress)
+        effects = effect_costs.measure(3 if options.quick else 9, progress)
+    result: dict[str, Any] = {
+        "machine": machine(),
+        "settings": {"rates": rates, "substeps": SUBSTEPS, "substepped_rate": SUBSTEPPED, "in_contact": IN_CONTACT,
+                     "reference": REFERENCE,
+                     "versions": {name: version(name) for name in ("mujoco", "pybullet")}},
+        "problems": problems, "published": PUBLISHED, "effects": effects}
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / "dynamics.json").write_text(json.dumps(result, indent=1) + "\n")
+    (options.out / "dynamics.md").write_text(text(result))
+    report("accuracy_motion", result["settings"], list(rows(result)))
+
+
+if __name__ == "__main__":
+    main()

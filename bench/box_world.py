@@ -1,6 +1,7 @@
 """Worlds of plain boxes for measurements, and what is read off a world: energy, depth, speed."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -48,22 +49,30 @@ class Setting:
         return f"{self.integrator.replace('_', ' ')}, {self.rate:g} Hz x {self.substeps}{sleep}"
 
 
-def world_of(boxes: Mapping[str, Box], setting: Setting = Setting(), effects: str = GRAVITY,
-             floor: float | None = None, friction: float = 0.6, restitution: float = 0.0, rest: str = "") -> World:
-    """A world of these boxes, ready to step; floor: height of a floor of that friction, m."""
+@contextmanager
+def scene_of(boxes: Mapping[str, Box], setting: Setting = Setting(), effects: str = GRAVITY,
+             floor: float | None = None, friction: float = 0.6, restitution: float = 0.0) -> Iterator[Scene]:
+    """A scene of these boxes; floor: height of a floor of that friction, m. Its models are there until it is left."""
     objects = dict(boxes)
     if floor is not None:
         objects["floor"] = Box((1.0, 1.0, 0.01), (0.0, 0.0, floor), None, friction, restitution,
                                "collision: {level: floor}")
     with TemporaryDirectory() as folder:
-        return World(parse(_written(Path(folder), objects, setting, effects, rest), Path(folder) / "scenes/boxes.yaml"))
+        yield parse(_written(Path(folder), objects, setting, effects), Path(folder) / "scenes/boxes.yaml")
 
 
-def _written(folder: Path, boxes: Mapping[str, Box], setting: Setting, effects: str, rest: str) -> str:
+def world_of(boxes: Mapping[str, Box], setting: Setting = Setting(), effects: str = GRAVITY,
+             floor: float | None = None, friction: float = 0.6, restitution: float = 0.0) -> World:
+    """A world of these boxes, ready to step."""
+    with scene_of(boxes, setting, effects, floor, friction, restitution) as scene:
+        return World(scene)
+
+
+def _written(folder: Path, boxes: Mapping[str, Box], setting: Setting, effects: str) -> str:
     """The scene's text; its models are in the folder."""
     (folder / "models").mkdir()
     models: dict[tuple[float, float, float], str] = {}
-    lines = [f"version: 1\n{setting.yaml()}effects: {{{effects}}}\n{rest}\nobjects:"]
+    lines = [f"version: 1\n{setting.yaml()}effects: {{{effects}}}\nobjects:"]
     for name, box in boxes.items():
         if box.size not in models:
             models[box.size] = f"box_{len(models)}"

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from box_world import Box, G
-from engines import Boxes
+from box_world import Box, G, Setting, world_of
+from engines import Boxes, Ours
 from free_rotation import attitude
 from motion_free import MASS, RATE, SIZE, VELOCITY, angle_between
 
@@ -16,13 +16,16 @@ from drone_sim.rotation import from_rpy, rotate_all
 EDGE = 0.6  # m, of a crate
 FRICTION, STEEPNESS = 0.5, 1.5  # of a slope, and its angle over that of friction
 HEIGHT = 1.0  # m, that a crate falls before it bounces
+COMMAND = (3.0, 1.0, 0.5, 0.8)  # m/s, rad/s
+RENEWED = 0.2  # s between commands, which are forgotten after 0.5
+REFERENCE = (3840.0, 16)  # Hz and sub-steps
 
 
 class Problem(NamedTuple):
     """errors(positions, orientations) of what moves, after so many s; each with its unit."""
 
     title: str
-    what: Boxes
+    what: Boxes | None  # none of a quadrotor, which Quadrotor makes
     seconds: float
     errors: Callable[[Floats, Floats], Mapping[str, float]]
 
@@ -81,4 +84,34 @@ def stack() -> Problem:
     return Problem("stack", Boxes(boxes, 0.0), 10.0, errors)
 
 
-PROBLEMS = {"flight": flight, "bounce": bounce, "incline": incline, "stack": stack}
+class Quadrotor(Ours):
+    """A quadrotor with motor lag that is told to fly ahead and to turn, as an engine."""
+
+    def __init__(self, setting: Setting) -> None:
+        flight = "flight: {model: quadrotor, cmd_vel: cmd_vel}"
+        self.world = world_of({"drone": Box((0.5, 0.5, 0.16), (0.0, 0.0, 100.0), 1.5, extra=flight)}, setting,
+                              "gravity: {}, motor_lag: {}")
+        self._what, self._count = Boxes({}), 1
+
+    def run(self, steps: int) -> None:
+        often = round(RENEWED / self.world.dt)
+        for done in range(0, steps, often):
+            self.world.command("drone", COMMAND)
+            self.world.run(min(often, steps - done))
+
+
+def quadrotor() -> Problem:
+    """From hovering to flight in a curve, in two seconds; the reference is ours, with steps of 1 / REFERENCE s."""
+    seconds = 2.0
+    exact = Quadrotor(Setting(*REFERENCE, "rk4"))
+    exact.run(round(seconds * REFERENCE[0]))
+    place, turn = exact.positions()[0].copy(), exact.orientations()[0].copy()
+
+    def errors(position: Floats, orientation: Floats) -> dict[str, float]:
+        apart = min(np.linalg.norm(orientation[0] - turn), np.linalg.norm(orientation[0] + turn))
+        return {"position": float(np.linalg.norm(position[0] - place)), "attitude": float(4.0 * np.arcsin(apart / 2.0))}
+
+    return Problem("quadrotor with motor lag", None, seconds, errors)
+
+
+PROBLEMS = {"flight": flight, "quadrotor": quadrotor, "bounce": bounce, "incline": incline, "stack": stack}
