@@ -38,8 +38,7 @@ bench: $(VENV)/peers  ## collisions, motion and the whole graph beside other lib
 	@$(RUN) bench/graph.py $(ARGS)
 
 hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
-	@$(RUN) bench/hard_cases.py $(ARGS)
-	@$(RUN) figures/motion_hard_cases.py
+	@$(RUN) bench/hard_cases.py $(ARGS); reached=$$?; $(RUN) figures/motion_hard_cases.py; exit $$reached
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png

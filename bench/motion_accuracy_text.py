@@ -28,9 +28,9 @@ Error of the position, and CPU time per simulated second, at {row_rates} Hz:
 - **incline**: a crate slides down a slope that is half as steep again as its friction would hold, 4 s.
 - **stack**: ten crates of 60 cm stand on each other for 10 s. Here the error is how far the top one has moved.
 
-**sub-steps** are those of a step of 1/{substepped:g} s: contacts are found once a step, and solved once a sub-step. With
-contacts, the other lines of ours have {in_contact} sub-steps a step. MuJoCo {mujoco} and PyBullet {pybullet} run beside
-ours with friction set alike and without damping. MuJoCo's contacts are springs, so its bounce and its stack have an
+**sub-steps** are those of a step of 1/{substepped:g} s: contacts are found once a step, and solved once a sub-step.
+With contacts, the other lines of ours have {in_contact} sub-steps a step. MuJoCo {mujoco} and PyBullet {pybullet} run
+beside ours with friction set alike and without damping. MuJoCo's contacts are springs, so its bounce and its stack have an
 error that no step makes smaller. The published figures are those of 'boxes' at its authors' machine: {published}.
 
 {attitude}
@@ -39,8 +39,8 @@ error that no step makes smaller. The published figures are those of 'boxes' at 
 
 ![What each effect costs, and how far off a flight is without it](dynamics_effects.png)
 
-What a scene pays for an effect that it names, per step and for the bodies of a reference flight; and how far that flight
-ends from where it does without the effect. An effect that a scene does not name costs nothing.
+What a scene pays for an effect that it names, per step and for the bodies of a reference flight; and how far that
+flight ends from where it does without the effect. An effect that a scene does not name costs nothing.
 
 {effects}
 """
