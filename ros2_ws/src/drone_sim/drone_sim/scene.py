@@ -64,6 +64,7 @@ class Dynamics(Strict):
 
     integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"
     substeps: Annotated[int, Field(ge=1, le=64)] = 8
+    sleep: bool = True  # whether what rests is left out until something touches it
 
 
 class Flight(Strict):

@@ -33,7 +33,8 @@ class Manifolds:
         self.separation: Floats = np.empty((capacity, POINTS))  # m, negative where they overlap
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)  # names a point from step to step
         self.impulse: Floats = np.empty((capacity, POINTS))  # N s, along the normal, of the last sub-step
-        self.friction: Floats = np.empty((capacity, 4))  # N s in the world, N m s about the normal; of the last sub-step
+        self.friction: Floats = np.empty((capacity, 2, 4))  # of the first four points, and of the others: N s in the
+        # world, N m s about the normal; of the last sub-step
         self.total: Floats = np.empty((capacity, POINTS))  # N s, along the normal, in the whole step
         self.last_end: Integers = np.zeros(PARTS, np.int64)  # and what is kept of the step before
         self.last = Last(capacity)
@@ -78,7 +79,7 @@ class Last:
         self.normal_w: Floats = np.empty((capacity, 3))
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)
         self.impulse: Floats = np.empty((capacity, POINTS))
-        self.friction: Floats = np.empty((capacity, 4))
+        self.friction: Floats = np.empty((capacity, 2, 4))
 
 
 @kernel
@@ -93,7 +94,7 @@ def keep(end, pair, points, normal, feature, impulse, friction, last_end, last_p
         for c in range(3):
             last_normal[i, c] = normal[i, c]
         for c in range(4):
-            last_friction[i, c] = friction[i, c]
+            last_friction[i, 0, c], last_friction[i, 1, c] = friction[i, 0, c], friction[i, 1, c]
         for k in range(points[i]):
             last_feature[i, k], last_impulse[i, k] = feature[i, k], impulse[i, k]
 
@@ -122,7 +123,8 @@ def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, 
                 last += 1
             for k in range(points[i]):
                 impulse[i, k] = 0.0
-            friction[i, 0] = friction[i, 1] = friction[i, 2] = friction[i, 3] = 0.0
+            for c in range(4):
+                friction[i, 0, c] = friction[i, 1, c] = 0.0
             known = last if part != SWEPT else last_end[part]
             while known < last_end[part] and last_pair[known, 0] == a and last_pair[known, 1] == b:
                 if (normal[i, 0] * last_normal[known, 0] + normal[i, 1] * last_normal[known, 1]
@@ -133,7 +135,7 @@ def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, 
                                 impulse[i, k] = last_impulse[known, m]
                                 break
                     for c in range(4):
-                        friction[i, c] = last_friction[known, c]
+                        friction[i, 0, c], friction[i, 1, c] = last_friction[known, 0, c], last_friction[known, 1, c]
                 known += 1
 
 

@@ -1,28 +1,34 @@
 """What the solver needs to know of each contact, worked out once a step.
 
-For every point a row of ROW numbers, for every manifold a head of HEAD numbers: what does not change in the step, and
-the impulses that do. Friction acts at one point of a manifold, the centre of its pressure, with a torque about the
-normal beside it, instead of at every point (as box3d does): a third of the work, and right where the pressure is known
-from the step before.
+A unit is up to POINTS points of a manifold, with friction at one point, the centre of their pressure, and a torque about
+the normal beside it, instead of at every point (as box3d does): a third of the work, and right where the pressure is
+known from the step before. LANES units that share no moving body make a group, every number of all of them side by
+side, so that the compiler takes them in one step: a table of FIELDS rows of LANES numbers.
 """
 
 import math
 
-from drone_sim.kernel import kernel
+import numpy as np
+
+from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix
 
-# Of a row: how an impulse along the normal turns a and b (lever arms and the turn they get), the mass it feels, the
-# gap as detected and as it is now, the impulse of the sub-step and of the step, and its speed before the sub-step.
-ARM_A, ARM_B, TURN_A, TURN_B, MASS, START, GAP, IMPULSE, TOTAL, SPEED = 0, 3, 6, 9, 12, 13, 14, 15, 16, 17
-ROW = 18
-# Of a head: normal and tangents, inverse masses, friction; then the same as in a row of both tangents and of the
-# twist, which has arms of the normal itself; the inverse of the tangents' mass matrix, the twist's mass, impulses.
-NORMAL, ALONG, ACROSS, LIGHT_A, LIGHT_B, FRICTION, BOUNCE = 0, 3, 6, 9, 10, 11, 12
-ALONG_A, ALONG_B, ALONG_TURN_A, ALONG_TURN_B = 13, 16, 19, 22
-ACROSS_A, ACROSS_B, ACROSS_TURN_A, ACROSS_TURN_B = 25, 28, 31, 34
-TWIST_A, TWIST_B, MASS_11, MASS_12, MASS_22, TWIST_MASS, RADIUS = 37, 40, 43, 44, 45, 46, 47
-PUSHED_ALONG, PUSHED_ACROSS, TWISTED = 48, 49, 50
-HEAD = 52
+LANES = 8
+POINTS = 4
+# Rows of a group's table. First what is known of a unit: normal and tangents, inverse masses, friction, restitution,
+# inverse inertia (xx xy xz yy yz zz) of a and b, anchors x y z from a and b of each point, gap as detected.
+(NORMAL, ALONG, ACROSS, LIGHT_A, LIGHT_B, FRICTION, BOUNCE, INERTIA_A, INERTIA_B, ANCHOR, START) = (
+    LANES * row for row in (0, 3, 6, 9, 10, 11, 12, 13, 19, 25, 49))
+# Then what follows from it: the mass that each point feels, how an impulse at one point changes the speed at another;
+# centre of pressure from a and b, how far the pressure is from it, inverse of the tangents' mass matrix, twist's mass.
+MASS, K01, K02, K03, K12, K13, K23, CENTRE_A, CENTRE_B, RADIUS, MASS_11, MASS_12, MASS_22, TWIST_MASS = (
+    LANES * row for row in (53, 57, 58, 59, 60, 61, 62, 63, 66, 69, 70, 71, 72, 73))
+# Then what changes: gap now, impulse of the sub-step and of the step, the speed at which a bounce shall leave; impulses
+# along the tangents and about the normal.
+GAP, IMPULSE, TOTAL, THROWN, PUSHED_ALONG, PUSHED_ACROSS, TWISTED = (
+    LANES * row for row in (74, 78, 82, 86, 90, 91, 92))  # and one row more
+FIELDS = 94
+COLOURS = 64  # as many as an integer has bits
 
 
 @kernel
@@ -39,102 +45,226 @@ def inverse_inertia(i, orientation, inertia, out):
 
 
 @kernel
-def tangents(x, y, z):
-    """Two unit vectors that make a right-handed frame with the unit vector (Duff et al. 2017, Building an
-    Orthonormal Basis, Revisited)."""
-    sign = 1.0 if z >= 0.0 else -1.0
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    return 1.0 + sign * x * x * a, sign * b, -sign * x, b, sign + y * y * a, -y
-
-
-@kernel
-def _arm(out, arm, turn, rx, ry, rz, x, y, z, tensor, i):
-    """Writes r x (x, y, z) at out[arm] and what it turns body i by at out[turn]; returns their product."""
-    ax, ay, az = ry * z - rz * y, rz * x - rx * z, rx * y - ry * x
-    return _turn(out, arm, turn, ax, ay, az, tensor, i)
-
-
-@kernel
-def _turn(out, arm, turn, ax, ay, az, tensor, i):
-    tx = tensor[i, 0] * ax + tensor[i, 1] * ay + tensor[i, 2] * az
-    ty = tensor[i, 1] * ax + tensor[i, 3] * ay + tensor[i, 4] * az
-    tz = tensor[i, 2] * ax + tensor[i, 4] * ay + tensor[i, 5] * az
-    out[arm], out[arm + 1], out[arm + 2] = ax, ay, az
-    out[turn], out[turn + 1], out[turn + 2] = tx, ty, tz
-    return ax * tx + ay * ty + az * tz
-
-
-@kernel
-def prepare(first, count, pair, points, normal, anchor, separation, impulse, friction, inverse_mass, tensor, rough,
-            springy, head, row):
-    """Writes heads (m, HEAD) and rows (m, 8, ROW) of manifolds first to count. anchor: from the centres of a and b to
-    each point, world; friction: (m, 4) the impulse of the last sub-step, world, and its twist; tensor: (n, 6), zero for
-    what does not move; rough, springy: (n,) coefficients of friction (of a pair the geometric mean) and restitution
-    (of a pair the greater)."""
-    for i in range(first, count):
-        a, b = pair[i, 0], pair[i, 1]
-        h = head[i]
-        x, y, z = normal[i, 0], normal[i, 1], normal[i, 2]
-        ux, uy, uz, vx, vy, vz = tangents(x, y, z)
-        h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8] = x, y, z, ux, uy, uz, vx, vy, vz
-        light = inverse_mass[a] + inverse_mass[b]
-        h[LIGHT_A], h[LIGHT_B], h[FRICTION] = inverse_mass[a], inverse_mass[b], math.sqrt(rough[a] * rough[b])
-        h[BOUNCE] = max(springy[a], springy[b])
-        pressed = cax = cay = caz = cbx = cby = cbz = 0.0
-        for k in range(points[i]):
-            r, at = row[i, k], anchor[i, k]
-            felt = (light + _arm(r, ARM_A, TURN_A, at[0, 0], at[0, 1], at[0, 2], x, y, z, tensor, a)
-                    + _arm(r, ARM_B, TURN_B, at[1, 0], at[1, 1], at[1, 2], x, y, z, tensor, b))
-            r[MASS] = 1.0 / felt if felt > 0.0 else 0.0
-            r[START] = r[GAP] = separation[i, k]
-            r[IMPULSE], r[TOTAL] = impulse[i, k], 0.0
-            pressed += impulse[i, k]
-        for k in range(points[i]):
-            share = impulse[i, k] / pressed if pressed > 0.0 else 1.0 / points[i]
-            at = anchor[i, k]
-            cax, cay, caz = cax + share * at[0, 0], cay + share * at[0, 1], caz + share * at[0, 2]
-            cbx, cby, cbz = cbx + share * at[1, 0], cby + share * at[1, 1], cbz + share * at[1, 2]
-        k11 = light + _arm(h, ALONG_A, ALONG_TURN_A, cax, cay, caz, ux, uy, uz, tensor, a) + _arm(
-            h, ALONG_B, ALONG_TURN_B, cbx, cby, cbz, ux, uy, uz, tensor, b)
-        k22 = light + _arm(h, ACROSS_A, ACROSS_TURN_A, cax, cay, caz, vx, vy, vz, tensor, a) + _arm(
-            h, ACROSS_B, ACROSS_TURN_B, cbx, cby, cbz, vx, vy, vz, tensor, b)
-        k12 = 0.0
-        for c in range(3):
-            k12 += h[ALONG_A + c] * h[ACROSS_TURN_A + c] + h[ALONG_B + c] * h[ACROSS_TURN_B + c]
-        det = k11 * k22 - k12 * k12
-        per = 1.0 / det if det > 0.0 else 0.0
-        h[MASS_11], h[MASS_12], h[MASS_22] = k22 * per, -k12 * per, k11 * per
-        radius = 0.0  # of the pressure about its centre
-        for k in range(points[i]):
-            share = impulse[i, k] / pressed if pressed > 0.0 else 1.0 / points[i]
-            at = anchor[i, k]
-            radius += share * math.sqrt((at[0, 0] - cax) ** 2 + (at[0, 1] - cay) ** 2 + (at[0, 2] - caz) ** 2)
-        h[RADIUS] = radius
-        felt = _spin(h, TWIST_A, x, y, z, tensor, a) + _spin(h, TWIST_B, x, y, z, tensor, b)
-        h[TWIST_MASS] = 1.0 / felt if felt > 0.0 else 0.0
-        fx, fy, fz = friction[i, 0], friction[i, 1], friction[i, 2]
-        h[PUSHED_ALONG], h[PUSHED_ACROSS] = fx * ux + fy * uy + fz * uz, fx * vx + fy * vy + fz * vz
-        h[TWISTED] = friction[i, 3]
-
-
-@kernel
-def _spin(out, at, x, y, z, tensor, i):
-    """Writes what a torque about (x, y, z) turns body i by; returns their product."""
-    tx = tensor[i, 0] * x + tensor[i, 1] * y + tensor[i, 2] * z
-    ty = tensor[i, 1] * x + tensor[i, 3] * y + tensor[i, 4] * z
-    tz = tensor[i, 2] * x + tensor[i, 4] * y + tensor[i, 5] * z
-    out[at], out[at + 1], out[at + 2] = tx, ty, tz
-    return tx * x + ty * y + tz * z
-
-
-@kernel
-def take_back(count, points, head, row, impulse, friction, total):
-    """Writes the impulses to the manifolds: those of the last sub-step, and the sums of the step along the normals."""
+def colour(count, pair, points, inverse_mass, used, size, colours):
+    """Writes a colour for both units of each manifold, (m, 2), -1 where it has only one: units of one colour share no
+    moving body, those of the last excepted. The first half of them are of two moving bodies, the second of one, which
+    are met last: what stands on the ground is held by it. used: (n, 2) scratch, 0; size: (COLOURS,) units of each."""
+    size[:] = 0
     for i in range(count):
-        h = head[i]
-        for c in range(3):
-            friction[i, c] = h[PUSHED_ALONG] * h[ALONG + c] + h[PUSHED_ACROSS] * h[ACROSS + c]
-        friction[i, 3] = h[TWISTED]
-        for k in range(points[i]):
-            impulse[i, k], total[i, k] = row[i, k, IMPULSE], row[i, k, TOTAL]
+        a, b = pair[i, 0], pair[i, 1]
+        moves_a, moves_b = inverse_mass[a] > 0.0, inverse_mass[b] > 0.0
+        half = 0 if moves_a and moves_b else 1
+        first = half * COLOURS // 2
+        for unit in range(2):
+            colours[i, unit] = -1
+            if unit == 0 or points[i] > POINTS:
+                taken = (used[a, half] if moves_a else 0) | (used[b, half] if moves_b else 0)
+                which = 0
+                while which < COLOURS // 2 - 1 and taken >> which & 1:
+                    which += 1
+                if moves_a:
+                    used[a, half] |= 1 << which
+                if moves_b:
+                    used[b, half] |= 1 << which
+                colours[i, unit] = first + which
+                size[first + which] += 1
+    for i in range(count):
+        for body in range(2):
+            used[pair[i, body], 0] = used[pair[i, body], 1] = 0
+
+
+@kernel
+def group(count, colours, size, place, unit):
+    """Writes which unit stands where, (g, LANES): twice its manifold, and 1 if it is the second; -1 for none. Returns
+    how many groups there are, or how many more than unit has room for. place: (COLOURS,) scratch."""
+    groups = 0
+    for which in range(COLOURS):
+        place[which] = groups * LANES
+        alone = which % (COLOURS // 2) == COLOURS // 2 - 1  # these may share bodies: a group for each
+        groups += size[which] if alone else (size[which] + LANES - 1) // LANES
+    if groups > unit.shape[0]:
+        return groups
+    unit[:groups] = -1
+    for i in range(count):
+        for half in range(2):
+            which = colours[i, half]
+            if which >= 0:
+                at = place[which]
+                unit[at // LANES, at % LANES] = 2 * i + half
+                place[which] += LANES if which % (COLOURS // 2) == COLOURS // 2 - 1 else 1
+    return groups
+
+
+@kernel
+def enter(groups, unit, nobody, pair, points, normal, anchor, separation, impulse, friction, inverse_mass, tensor,
+          rough, springy, body, table):
+    """Writes what is known of each unit into the groups' tables (g, FIELDS * LANES), and its bodies, (g, 2, LANES);
+    those of an empty lane are `nobody`. anchor: from the centres of a and b to each point, world; friction: (m, 2, 4)
+    the impulse of the last sub-step, world, and its twist; tensor: (n, 6), zero for what does not move; rough, springy:
+    (n,) coefficients of friction (of a pair the geometric mean) and restitution (of a pair the greater)."""
+    for g in range(groups):
+        t = table[g]
+        for k in range(LANES):
+            if unit[g, k] < 0:
+                body[g, 0, k] = body[g, 1, k] = nobody
+                for row in range(FIELDS):
+                    t[row * LANES + k] = 0.0
+                continue
+            i, half = unit[g, k] >> 1, unit[g, k] & 1
+            a, b = pair[i, 0], pair[i, 1]
+            body[g, 0, k], body[g, 1, k] = a, b
+            t[LIGHT_A + k], t[LIGHT_B + k] = inverse_mass[a], inverse_mass[b]
+            t[FRICTION + k], t[BOUNCE + k] = math.sqrt(rough[a] * rough[b]), max(springy[a], springy[b])
+            for c in range(3):
+                t[NORMAL + c * LANES + k] = normal[i, c]
+            for c in range(6):
+                t[INERTIA_A + c * LANES + k], t[INERTIA_B + c * LANES + k] = tensor[a, c], tensor[b, c]
+            for p in range(POINTS):
+                q = half * POINTS + p
+                here = q < points[i]
+                for c in range(3):
+                    t[ANCHOR + (6 * p + c) * LANES + k] = anchor[i, q, 0, c] if here else 0.0
+                    t[ANCHOR + (6 * p + 3 + c) * LANES + k] = anchor[i, q, 1, c] if here else 0.0
+                t[START + p * LANES + k] = separation[i, q] if here else 0.0
+                t[MASS + p * LANES + k] = 1.0 if here else 0.0
+                t[IMPULSE + p * LANES + k] = impulse[i, q] if here else 0.0
+            for c in range(4):  # as a vector, until the tangents are known
+                t[PUSHED_ALONG + c * LANES + k] = friction[i, half, c]
+
+
+@inlined
+def turn(t, at, k, x, y, z):
+    """The change of angular velocity that a vector of angular momentum gives; at: INERTIA_A or INERTIA_B."""
+    return (t[at + k] * x + t[at + LANES + k] * y + t[at + 2 * LANES + k] * z,
+            t[at + LANES + k] * x + t[at + 3 * LANES + k] * y + t[at + 4 * LANES + k] * z,
+            t[at + 2 * LANES + k] * x + t[at + 4 * LANES + k] * y + t[at + 5 * LANES + k] * z)
+
+
+@inlined
+def coupling(t, at, k, rx, ry, rz, x, y, z, sx, sy, sz, u, v, w):
+    """How an impulse along (x, y, z) at r changes the speed along (u, v, w) at s of a body by turning it."""
+    tx, ty, tz = turn(t, at, k, ry * z - rz * y, rz * x - rx * z, rx * y - ry * x)
+    return tx * (sy * w - sz * v) + ty * (sz * u - sx * w) + tz * (sx * v - sy * u)
+
+
+@inlined
+def _feel(t, k, p, q, light, x, y, z):
+    """How an impulse along the normal at point p changes the speed at point q."""
+    a, b = ANCHOR + 6 * LANES * p + k, ANCHOR + 6 * LANES * q + k
+    return (light
+            + coupling(t, INERTIA_A, k, t[a], t[a + LANES], t[a + 2 * LANES], x, y, z,
+                       t[b], t[b + LANES], t[b + 2 * LANES], x, y, z)
+            + coupling(t, INERTIA_B, k, t[a + 3 * LANES], t[a + 4 * LANES], t[a + 5 * LANES], x, y, z,
+                       t[b + 3 * LANES], t[b + 4 * LANES], t[b + 5 * LANES], x, y, z))
+
+
+@kernel
+def work_out(groups, table):
+    """Writes what follows from what is known."""
+    lanes = table.shape[1] // FIELDS  # not the constant: the compiler would write out each lane
+    for g in range(groups):
+        t = table[g]
+        for k in range(lanes):
+            x, y, z = t[k], t[LANES + k], t[2 * LANES + k]
+            # Tangents: Duff et al. 2017, Building an Orthonormal Basis, Revisited
+            sign = 1.0 if z >= 0.0 else -1.0
+            s = -1.0 / (sign + z)
+            c = x * y * s
+            ux, uy, uz, vx, vy, vz = 1.0 + sign * x * x * s, sign * c, -sign * x, c, sign + y * y * s, -y
+            t[ALONG + k], t[ALONG + LANES + k], t[ALONG + 2 * LANES + k] = ux, uy, uz
+            t[ACROSS + k], t[ACROSS + LANES + k], t[ACROSS + 2 * LANES + k] = vx, vy, vz
+            fx, fy, fz = t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k]
+            w = t[TWISTED + LANES + k]
+            t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k] = fx * ux + fy * uy + fz * uz, fx * vx + fy * vy + fz * vz
+            t[TWISTED + k] = w
+        for k in range(lanes):
+            light = t[LIGHT_A + k] + t[LIGHT_B + k]
+            x, y, z = t[k], t[LANES + k], t[2 * LANES + k]
+            m0, m1 = t[MASS + k], t[MASS + LANES + k]
+            m2, m3 = t[MASS + 2 * LANES + k], t[MASS + 3 * LANES + k]
+            k0, k1 = _feel(t, k, 0, 0, light, x, y, z), _feel(t, k, 1, 1, light, x, y, z)
+            k2, k3 = _feel(t, k, 2, 2, light, x, y, z), _feel(t, k, 3, 3, light, x, y, z)
+            t[MASS + k] = m0 / k0 if k0 > 0.0 else 0.0
+            t[MASS + LANES + k] = m1 / k1 if k1 > 0.0 else 0.0
+            t[MASS + 2 * LANES + k] = m2 / k2 if k2 > 0.0 else 0.0
+            t[MASS + 3 * LANES + k] = m3 / k3 if k3 > 0.0 else 0.0
+            t[K01 + k], t[K02 + k], t[K03 + k] = (_feel(t, k, 0, 1, light, x, y, z), _feel(t, k, 0, 2, light, x, y, z),
+                                                  _feel(t, k, 0, 3, light, x, y, z))
+            t[K12 + k], t[K13 + k], t[K23 + k] = (_feel(t, k, 1, 2, light, x, y, z), _feel(t, k, 1, 3, light, x, y, z),
+                                                  _feel(t, k, 2, 3, light, x, y, z))
+        for k in range(lanes):
+            p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
+            p2, p3 = t[IMPULSE + 2 * LANES + k], t[IMPULSE + 3 * LANES + k]
+            m0, m1 = t[MASS + k], t[MASS + LANES + k]
+            m2, m3 = t[MASS + 2 * LANES + k], t[MASS + 3 * LANES + k]
+            pressed = p0 + p1 + p2 + p3
+            known = pressed > 0.0  # else all points count alike
+            p0, p1 = p0 if known else 1.0 if m0 > 0.0 else 0.0, p1 if known else 1.0 if m1 > 0.0 else 0.0
+            p2, p3 = p2 if known else 1.0 if m2 > 0.0 else 0.0, p3 if known else 1.0 if m3 > 0.0 else 0.0
+            total = p0 + p1 + p2 + p3
+            per = 1.0 / total if total > 0.0 else 0.0
+            p0, p1, p2, p3 = p0 * per, p1 * per, p2 * per, p3 * per
+            a = ANCHOR + k
+            for c in range(6):
+                t[CENTRE_A + c * LANES + k] = (
+                    p0 * t[a + c * LANES] + p1 * t[a + (6 + c) * LANES] + p2 * t[a + (12 + c) * LANES]
+                    + p3 * t[a + (18 + c) * LANES])
+            radius = 0.0
+            cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + 2 * LANES + k]
+            radius += p0 * _length(t[a] - cx, t[a + LANES] - cy, t[a + 2 * LANES] - cz)
+            radius += p1 * _length(t[a + 6 * LANES] - cx, t[a + 7 * LANES] - cy, t[a + 8 * LANES] - cz)
+            radius += p2 * _length(t[a + 12 * LANES] - cx, t[a + 13 * LANES] - cy, t[a + 14 * LANES] - cz)
+            radius += p3 * _length(t[a + 18 * LANES] - cx, t[a + 19 * LANES] - cy, t[a + 20 * LANES] - cz)
+            t[RADIUS + k] = radius
+        for k in range(lanes):
+            light = t[LIGHT_A + k] + t[LIGHT_B + k]
+            x, y, z = t[k], t[LANES + k], t[2 * LANES + k]
+            ux, uy, uz = t[ALONG + k], t[ALONG + LANES + k], t[ALONG + 2 * LANES + k]
+            vx, vy, vz = t[ACROSS + k], t[ACROSS + LANES + k], t[ACROSS + 2 * LANES + k]
+            ax, ay, az = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + 2 * LANES + k]
+            bx, by, bz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + 2 * LANES + k]
+            k11 = (light + coupling(t, INERTIA_A, k, ax, ay, az, ux, uy, uz, ax, ay, az, ux, uy, uz)
+                   + coupling(t, INERTIA_B, k, bx, by, bz, ux, uy, uz, bx, by, bz, ux, uy, uz))
+            k12 = (coupling(t, INERTIA_A, k, ax, ay, az, ux, uy, uz, ax, ay, az, vx, vy, vz)
+                   + coupling(t, INERTIA_B, k, bx, by, bz, ux, uy, uz, bx, by, bz, vx, vy, vz))
+            k22 = (light + coupling(t, INERTIA_A, k, ax, ay, az, vx, vy, vz, ax, ay, az, vx, vy, vz)
+                   + coupling(t, INERTIA_B, k, bx, by, bz, vx, vy, vz, bx, by, bz, vx, vy, vz))
+            det = k11 * k22 - k12 * k12
+            per = 1.0 / det if det > 0.0 else 0.0
+            t[MASS_11 + k], t[MASS_12 + k], t[MASS_22 + k] = k22 * per, -k12 * per, k11 * per
+            px, py, pz = turn(t, INERTIA_A, k, x, y, z)
+            qx, qy, qz = turn(t, INERTIA_B, k, x, y, z)
+            felt = x * (px + qx) + y * (py + qy) + z * (pz + qz)
+            t[TWIST_MASS + k] = 1.0 / felt if felt > 0.0 else 0.0
+        for k in range(POINTS * lanes):
+            t[GAP + k] = t[START + k]
+            t[TOTAL + k] = t[THROWN + k] = 0.0
+
+
+@inlined
+def _length(x, y, z):
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def take_back(groups, unit, points, table, impulse, friction, total):
+    """Writes the impulses to the manifolds: those of the last sub-step, and the sums of the step along the normals."""
+    for g in range(groups):
+        t = table[g]
+        for k in range(LANES):
+            if unit[g, k] < 0:
+                continue
+            i, half = unit[g, k] >> 1, unit[g, k] & 1
+            for c in range(3):
+                friction[i, half, c] = (t[PUSHED_ALONG + k] * t[ALONG + c * LANES + k]
+                                        + t[PUSHED_ACROSS + k] * t[ACROSS + c * LANES + k])
+            friction[i, half, 3] = t[TWISTED + k]
+            for p in range(min(points[i] - half * POINTS, POINTS)):
+                q = half * POINTS + p
+                impulse[i, q], total[i, q] = t[IMPULSE + p * LANES + k], t[TOTAL + p * LANES + k]
+
+
+def tables(groups: int) -> tuple[np.ndarray, ...]:
+    """Room for so many groups: unit, body, table."""
+    return (np.empty((groups, LANES), np.int64), np.empty((groups, 2, LANES), np.int64),
+            np.empty((groups, FIELDS * LANES)))

@@ -114,18 +114,13 @@ def move(i, position, orientation, velocity, angular, h):
 
 
 @kernel
-def moved(i, position, orientation, start, shift):
-    """Writes how far body i has moved and turned since start (n, 7): (n, 12), the way, and rows of the rotation's
-    matrix less the identity."""
+def moved(i, position, orientation, start, moving):
+    """Writes how far body i has moved and turned since start (n, 7) into its row of moving, as the solver has them."""
     for c in range(3):
-        shift[i, c] = position[i, c] - start[i, c]
+        moving[i, 6 + c] = position[i, c] - start[i, c]
     x, y, z, w = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
     a, b, c, d = -start[i, 3], -start[i, 4], -start[i, 5], start[i, 6]
     qx, qy, qz = w * a + x * d + y * c - z * b, w * b + y * d + z * a - x * c, w * c + z * d + x * b - y * a
     qw = w * d - x * a - y * b - z * c
-    shift[i, 3], shift[i, 4], shift[i, 5] = -2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy - qz * qw), 2.0 * (
-        qx * qz + qy * qw)
-    shift[i, 6], shift[i, 7], shift[i, 8] = 2.0 * (qx * qy + qz * qw), -2.0 * (qx * qx + qz * qz), 2.0 * (
-        qy * qz - qx * qw)
-    shift[i, 9], shift[i, 10], shift[i, 11] = 2.0 * (qx * qz - qy * qw), 2.0 * (qy * qz + qx * qw), -2.0 * (
-        qx * qx + qy * qy)
+    moving[i, 9], moving[i, 10], moving[i, 11] = 2.0 * qw * qx, 2.0 * qw * qy, 2.0 * qw * qz
+    moving[i, 12] = 0.5 / max(qw * qw, 1e-12)  # 1 + cos = 2 w^2

@@ -12,11 +12,11 @@ import numpy as np
 from drone_sim.arrays import Integers
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.bounce import aim, note, throw
-from drone_sim.dynamics.constraints import HEAD, ROW, inverse_inertia, prepare, take_back
+from drone_sim.dynamics.constraints import COLOURS, colour, enter, group, inverse_inertia, tables, take_back, work_out
 from drone_sim.dynamics.integrators import (
     cayley, move, moved, push_euler, push_midpoint, spun_midpoint, to_body, to_world,
 )
-from drone_sim.dynamics.solver import follow, solve, warm_start
+from drone_sim.dynamics.solver import GATHERED, PRESSED, ROW, WAY, press_apart, relax, warm_start
 from drone_sim.effects import Setting
 from drone_sim.kernel import kernel
 from drone_sim.program import Program, run_once
@@ -38,7 +38,7 @@ def sort_out(awake, count, pair, free, held, mark):
 
 
 @kernel
-def ready(held, position, orientation, inertia, start, tensor):
+def ready(held, position, orientation, inertia, start, tensor, moving):
     """Keeps where the held bodies start, and their inverse inertia in the world."""
     for k in range(1, 1 + held[0]):
         i = held[k]
@@ -46,81 +46,125 @@ def ready(held, position, orientation, inertia, start, tensor):
             start[i, c] = position[i, c]
         for c in range(4):
             start[i, 3 + c] = orientation[i, c]
+        for c in range(WAY, PRESSED):
+            moving[i, c] = 0.0
+        moving[i, PRESSED - 1] = 0.5
         inverse_inertia(i, orientation, inertia, tensor)
 
 
 @kernel
-def meet(held, count, pair, points, normal, anchor, head, row, position, orientation, velocity, angular, inverse_mass,
-         force, start, shift, pressed_on, bouncing, h, second_order):
-    """Contacts and motion of the held bodies in a sub-step, once forces have pushed them."""
-    if bouncing:
-        aim(count, pair, points, head, row, velocity, angular, h)
+def load(held, velocity, angular, moving):
+    """Velocities of the held bodies into their rows."""
     for k in range(1, 1 + held[0]):
-        pressed_on[held[k]] = False
-    warm_start(count, pair, points, head, row, velocity, angular)
-    solve(count, pair, points, head, row, velocity, angular, pressed_on, h, True)
+        i = held[k]
+        for c in range(3):
+            moving[i, c], moving[i, 3 + c] = velocity[i, c], angular[i, c]
+
+
+@kernel
+def store(held, velocity, angular, moving):
+    """And back."""
+    for k in range(1, 1 + held[0]):
+        i = held[k]
+        for c in range(3):
+            velocity[i, c], angular[i, c] = moving[i, c], moving[i, 3 + c]
+
+
+@kernel
+def meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
+         gathered, bouncing, h, second_order):
+    """Contacts and motion of the held bodies in a sub-step, once forces have pushed them."""
+    load(held, velocity, angular, moving)
+    if bouncing:
+        aim(groups, body, table, moving, gathered, h)
+    for k in range(1, 1 + held[0]):
+        moving[held[k], PRESSED] = 0.0
+    warm_start(groups, body, table, moving, gathered)
+    press_apart(groups, body, table, moving, gathered, h)
+    store(held, velocity, angular, moving)
     for k in range(1, 1 + held[0]):
         i = held[k]
         move(i, position, orientation, velocity, angular, h)
-        if second_order and not pressed_on[i]:  # it only fell
+        if second_order and moving[i, PRESSED] == 0.0:  # it only fell
             for c in range(3):
                 position[i, c] -= 0.5 * h * h * inverse_mass[i] * force[i, c]
-        moved(i, position, orientation, start, shift)
-    follow(count, pair, points, normal, anchor, shift, row)
-    solve(count, pair, points, head, row, velocity, angular, pressed_on, h, False)
+        moved(i, position, orientation, start, moving)
+    relax(groups, body, table, moving, gathered, h)
     if bouncing:
-        throw(count, pair, points, head, row, velocity, angular)
+        throw(groups, body, table, moving, gathered)
+    store(held, velocity, angular, moving)
+
+
+@kernel
+def begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation, inverse_mass,
+          inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body, table):
+    """Gets the contacts ready for the sub-steps; returns how many groups they make, -g if there is only room for less."""
+    ready(held, position, orientation, inertia, start, tensor, moving)
+    colour(count, pair, points, inverse_mass, used, size[0], colours)
+    groups = group(count, colours, size[0], size[1], unit)
+    if groups > unit.shape[0]:
+        return -groups
+    enter(groups, unit, position.shape[0], pair, points, normal, anchor, separation, impulse, friction, inverse_mass,
+          tensor, rough, springy, body, table)
+    work_out(groups, table)
+    return groups
 
 
 @kernel
 def semi_implicit_euler(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
                         friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
-                        rough, springy, free, held, mark, start, shift, tensor, pressed_on, head, row, trial, substeps,
-                        h):
+                        rough, springy, free, held, mark, start, tensor, moving, gathered, used, colours, size, unit,
+                        body, table, trial, substeps, h):
     """First order: velocities from forces, then positions from the new velocities."""
     count = end[-1]
-    if count > head.shape[0]:
+    if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    ready(held, position, orientation, inertia, start, tensor)
-    prepare(0, count, pair, points, normal, anchor, separation, impulse, friction, inverse_mass, tensor, rough, springy,
-            head, row)
+    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
+                   table)
+    if groups < 0:
+        return groups
+    load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(function, address)
-        bouncing = note(count, pair, points, head, row, velocity, angular, h)
+        bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + awake[0]):
             push_euler(awake[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         for k in range(1, 1 + free[0]):
             move(free[k], position, orientation, velocity, angular, h)
         if count:
-            meet(held, count, pair, points, normal, anchor, head, row, position, orientation, velocity, angular,
-                 inverse_mass, force, start, shift, pressed_on, bouncing, h, False)
-    take_back(count, points, head, row, impulse, friction, total)
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
+                 gathered, bouncing, h, False)
+    take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
 @kernel
 def midpoint(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
              position, orientation, velocity, angular, force, torque, inverse_mass, inertia, rough, springy, free, held,
-             mark, start, shift, tensor, pressed_on, head, row, trial, substeps, h):
+             mark, start, tensor, moving, gathered, used, colours, size, unit, body, table, trial, substeps, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
     count = end[-1]
-    if count > head.shape[0]:
+    if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    ready(held, position, orientation, inertia, start, tensor)
-    prepare(0, count, pair, points, normal, anchor, separation, impulse, friction, inverse_mass, tensor, rough, springy,
-            head, row)
+    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
+                   table)
+    if groups < 0:
+        return groups
+    load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(function, address)
-        bouncing = note(count, pair, points, head, row, velocity, angular, h)
+        bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
-            meet(held, count, pair, points, normal, anchor, head, row, position, orientation, velocity, angular,
-                 inverse_mass, force, start, shift, pressed_on, bouncing, h, True)
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
+                 gathered, bouncing, h, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 i = free[k]
@@ -144,7 +188,7 @@ def midpoint(function, address, clock, awake, end, pair, points, normal, anchor,
                 bx, by, bz = spun_midpoint(inertia[i, 0], inertia[i, 1], inertia[i, 2], ax, ay, az, tx, ty, tz, h)
                 cayley(orientation, i, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
                 angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, bx, by, bz)
-    take_back(count, points, head, row, impulse, friction, total)
+    take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
@@ -178,9 +222,13 @@ class Motion:
         self._setting, self._acting, self._manifolds = setting, acting, manifolds
         self._kernel, self._substeps, self._h = SCHEMES[scheme], substeps, setting.dt / substeps
         self._free, self._held = np.zeros((2, n + 1), np.int64)
-        self._mark, self._pressed_on = np.zeros((2, n), np.bool_)
-        self._start, self._shift, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 12, 6, 13))
-        self._head, self._row = np.empty((64, HEAD)), np.empty((64, 8, ROW))
+        self._mark, self._used = np.zeros(n, np.bool_), np.zeros((n, 2), np.int64)
+        self._start, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 6, 13))
+        self._moving, self._gathered = np.zeros((n + 1, ROW)), np.zeros(GATHERED)  # one row for nobody
+        self._moving[:, PRESSED - 1] = 0.5
+        self._size = np.empty((2, COLOURS), np.int64)
+        self._colours = np.empty((64, 2), np.int64)
+        self._tables = tables(32)
 
     @property
     def stage(self) -> Stage:
@@ -190,8 +238,11 @@ class Motion:
         """Tells which program to bind anew when arrays become others."""
         self._program = program
 
-    def _grow(self, manifolds: int) -> str:
-        self._head, self._row = np.empty((2 * manifolds, HEAD)), np.empty((2 * manifolds, 8, ROW))
+    def _grow(self, code: int) -> str:
+        if code > 0:
+            self._colours = np.empty((2 * code, 2), np.int64)
+        else:
+            self._tables = tables(-2 * code)
         self._program.bind("motion")
         return "motion"
 
@@ -201,5 +252,6 @@ class Motion:
         return (functions, self._acting.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
                 m.separation, m.impulse, m.friction, m.total, s.position_w, s.orientation_w, s.velocity_w,
                 s.angular_velocity_w, forces.force_w, forces.torque_w, bodies.inverse_mass, bodies.inertia_b,
-                bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._shift,
-                self._tensor, self._pressed_on, self._head, self._row, self._trial, self._substeps, self._h)
+                bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._tensor,
+                self._moving, self._gathered, self._used, self._colours, self._size, *self._tables, self._trial,
+                self._substeps, self._h)

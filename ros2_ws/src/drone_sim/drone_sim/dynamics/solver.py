@@ -3,148 +3,238 @@
 Each sub-step solves the contacts as stiff springs before positions move, and once more without the springs after, so
 that what they pushed apart keeps no speed (Catto 2023, Solver2D, 'Soft Step'; the springs are those of Catto 2011, Soft
 Constraints). Detection runs once a step; the gaps follow the bodies.
+
+Groups of units come one after the other, the units of a group at once: they share no moving body. Within a unit the
+points meet by their couplings: the speeds of all are worked out at once, each impulse changes those of the points after
+it, and the bodies get the sum, which is what impulses one by one would do. Loops over lanes are without
+branches, and how many there are is a number that the compiler does not know: it would write each lane out.
 """
 
 import math
 
 from drone_sim.dynamics.constraints import (
-    ACROSS_A, ACROSS_B, ACROSS_TURN_A, ACROSS_TURN_B, ALONG_A, ALONG_B, ALONG_TURN_A, ALONG_TURN_B, FRICTION, GAP,
-    IMPULSE, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22, PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START, TOTAL,
-    TWIST_A, TWIST_B, TWIST_MASS, TWISTED,
+    ACROSS, ALONG, ANCHOR, CENTRE_A, CENTRE_B, FIELDS, FRICTION, GAP, IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12,
+    K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22, PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START,
+    TOTAL, TWIST_MASS, TWISTED, turn,
 )
 from drone_sim.kernel import inlined, kernel
 
 CONTACT_FREQUENCY = 30.0  # Hz; at most a quarter of the sub-steps' rate, above which no spring is stable
 DAMPING_RATIO = 10.0
 PUSH_OUT_SPEED = 0.8  # m/s, the fastest that overlapping bodies are parted
+L2, L3, L4, L5 = 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
+# A body's row: velocity, angular velocity; since detection the way, the rotation as axis times sine and 1 / (1 + cos);
+# whether something presses on it.
+WAY, PRESSED, ROW = 6, 13, 16
+# What is gathered of the bodies of a group: velocities of a and of b, then how they moved.
+VELOCITY_A, VELOCITY_B, WAY_A, WAY_B, PRESSING = (LANES * row for row in (0, 6, 12, 19, 26))
+GATHERED = 27 * LANES
 
 
 @inlined
-def _dot(x, y, z, out, at):
-    return x * out[at] + y * out[at + 1] + z * out[at + 2]
+def gather(body, g, moving, s):
+    """Copies the velocities of a group's bodies side by side."""
+    for k in range(LANES):
+        a, b = body[g, 0, k], body[g, 1, k]
+        for c in range(6):
+            s[VELOCITY_A + c * LANES + k], s[VELOCITY_B + c * LANES + k] = moving[a, c], moving[b, c]
+
+
+@inlined
+def scatter(body, g, moving, s):
+    """Copies them back."""
+    for k in range(LANES):
+        a, b = body[g, 0, k], body[g, 1, k]
+        for c in range(6):
+            moving[a, c], moving[b, c] = s[VELOCITY_A + c * LANES + k], s[VELOCITY_B + c * LANES + k]
+
+
+@inlined
+def _apply(t, s, k, q, px, py, pz, rx, ry, rz, u, v, w):
+    """Gives both bodies the impulse q along the normal, whose sum over points times anchors is p for a and r for b, and
+    u, v along the tangents and w about the normal."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    fx = u * t[ALONG + k] + v * t[ACROSS + k]
+    fy = u * t[ALONG + LANES + k] + v * t[ACROSS + LANES + k]
+    fz = u * t[ALONG + L2 + k] + v * t[ACROSS + L2 + k]
+    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
+    ax, ay, az = turn(t, INERTIA_A, k, (py * z - pz * y) + (cy * fz - cz * fy) + w * x,
+                      (pz * x - px * z) + (cz * fx - cx * fz) + w * y, (px * y - py * x) + (cx * fy - cy * fx) + w * z)
+    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
+    bx, by, bz = turn(t, INERTIA_B, k, (ry * z - rz * y) + (cy * fz - cz * fy) + w * x,
+                      (rz * x - rx * z) + (cz * fx - cx * fz) + w * y, (rx * y - ry * x) + (cx * fy - cy * fx) + w * z)
+    fx, fy, fz = fx + q * x, fy + q * y, fz + q * z
+    m, n = t[LIGHT_A + k], t[LIGHT_B + k]
+    s[k], s[LANES + k], s[L2 + k] = s[k] - m * fx, s[LANES + k] - m * fy, s[L2 + k] - m * fz
+    s[L3 + k], s[L4 + k], s[L5 + k] = s[L3 + k] - ax, s[L4 + k] - ay, s[L5 + k] - az
+    e = VELOCITY_B + k
+    s[e], s[e + LANES], s[e + L2] = s[e] + n * fx, s[e + LANES] + n * fy, s[e + L2] + n * fz
+    s[e + L3], s[e + L4], s[e + L5] = s[e + L3] + bx, s[e + L4] + by, s[e + L5] + bz
+
+
+@inlined
+def _sum(t, at, q0, q1, q2, q3):
+    return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]
 
 
 @kernel
-def warm_start(count, pair, points, head, row, velocity, angular):
-    """Applies the impulses of the last sub-step again, which are nearly those of this one."""
-    for i in range(count):
-        a, b, h = pair[i, 0], pair[i, 1], head[i]
-        p, u, v, w = 0.0, h[PUSHED_ALONG], h[PUSHED_ACROSS], h[TWISTED]
-        ax = u * h[ALONG_TURN_A] + v * h[ACROSS_TURN_A] + w * h[TWIST_A]
-        ay = u * h[ALONG_TURN_A + 1] + v * h[ACROSS_TURN_A + 1] + w * h[TWIST_A + 1]
-        az = u * h[ALONG_TURN_A + 2] + v * h[ACROSS_TURN_A + 2] + w * h[TWIST_A + 2]
-        bx = u * h[ALONG_TURN_B] + v * h[ACROSS_TURN_B] + w * h[TWIST_B]
-        by = u * h[ALONG_TURN_B + 1] + v * h[ACROSS_TURN_B + 1] + w * h[TWIST_B + 1]
-        bz = u * h[ALONG_TURN_B + 2] + v * h[ACROSS_TURN_B + 2] + w * h[TWIST_B + 2]
-        for k in range(points[i]):
-            r = row[i, k]
-            q = r[IMPULSE]
-            p += q
-            ax, ay, az = ax + q * r[6], ay + q * r[7], az + q * r[8]
-            bx, by, bz = bx + q * r[9], by + q * r[10], bz + q * r[11]
-        x, y, z = p * h[0] + u * h[3] + v * h[6], p * h[1] + u * h[4] + v * h[7], p * h[2] + u * h[5] + v * h[8]
-        m, n = h[LIGHT_A], h[LIGHT_B]
-        velocity[a, 0] -= m * x
-        velocity[a, 1] -= m * y
-        velocity[a, 2] -= m * z
-        velocity[b, 0] += n * x
-        velocity[b, 1] += n * y
-        velocity[b, 2] += n * z
-        angular[a, 0] -= ax
-        angular[a, 1] -= ay
-        angular[a, 2] -= az
-        angular[b, 0] += bx
-        angular[b, 1] += by
-        angular[b, 2] += bz
+def warm_start(groups, body, table, moving, s):
+    """Applies the impulses of the last sub-step again, which are nearly those of this one. s: (GATHERED,) scratch."""
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        t = table[g]
+        gather(body, g, moving, s)
+        for k in range(lanes):
+            q0, q1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
+            q2, q3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
+            a = ANCHOR + k
+            _apply(t, s, k, q0 + q1 + q2 + q3,
+                   _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3),
+                   _sum(t, a + L3, q0, q1, q2, q3), _sum(t, a + L4, q0, q1, q2, q3), _sum(t, a + L5, q0, q1, q2, q3),
+                   t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k])
+        scatter(body, g, moving, s)
+
+
+@inlined
+def _impulse(t, k, p, speed, rate, scale, loss, per):
+    """The impulse at a point (k: its place in a row of four) that has had p and parts at this speed."""
+    # A gap may close within this sub-step, and no faster; an overlap is pushed apart.
+    gap, mass = t[GAP + k], t[MASS + k]
+    apart = gap > 0.0
+    push = max(rate * gap, -PUSH_OUT_SPEED)
+    bias = gap * per if apart else push
+    soft = mass * scale
+    mass = mass if apart else soft
+    kept = p - loss * p
+    kept = p if apart else kept
+    return max((kept - mass * bias) - mass * speed, 0.0)
+
+
+@inlined
+def speed_of(t, k, p, apart, ax, ay, az, bx, by, bz):
+    """The speed at which point p parts; apart: that of the bodies' centres, a, b: the normal times their spins."""
+    at = ANCHOR + 6 * LANES * p + k
+    return (apart + (bx * t[at + L3] + by * t[at + L4] + bz * t[at + L5])
+            - (ax * t[at] + ay * t[at + LANES] + az * t[at + L2]))
+
+
+@inlined
+def _follow(t, s, k):
+    """Brings the gaps to where the bodies are now: n ((R - 1) r) = r (n x v + f (v (n v) - n v^2)), with the rotation's
+    axis times its sine v and f = 1 / (1 + cos)."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    a, b = WAY_A + k, WAY_B + k
+    way = x * (s[b] - s[a]) + y * (s[b + LANES] - s[a + LANES]) + z * (s[b + L2] - s[a + L2])
+    u, v, w, f = s[a + L3], s[a + L4], s[a + L5], s[a + 6 * LANES]
+    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
+    ax, ay, az = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
+                  x * v - y * u + w * along - z * square)
+    u, v, w, f = s[b + L3], s[b + L4], s[b + L5], s[b + 6 * LANES]
+    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
+    bx, by, bz = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
+                  x * v - y * u + w * along - z * square)
+    t[GAP + k] = t[START + k] + speed_of(t, k, 0, way, ax, ay, az, bx, by, bz)
+    t[GAP + LANES + k] = t[START + LANES + k] + speed_of(t, k, 1, way, ax, ay, az, bx, by, bz)
+    t[GAP + L2 + k] = t[START + L2 + k] + speed_of(t, k, 2, way, ax, ay, az, bx, by, bz)
+    t[GAP + L3 + k] = t[START + L3 + k] + speed_of(t, k, 3, way, ax, ay, az, bx, by, bz)
+
+
+@inlined
+def _press(t, s, k, rate, scale, loss, per):
+    """Meets the normal conditions of a unit, then those of friction."""
+    x, y, z = t[k], t[LANES + k], t[L2 + k]
+    wax, way, waz = s[L3 + k], s[L4 + k], s[L5 + k]
+    e = VELOCITY_B + k
+    wbx, wby, wbz = s[e + L3], s[e + L4], s[e + L5]
+    dx, dy, dz = s[e] - s[k], s[e + LANES] - s[LANES + k], s[e + L2] - s[L2 + k]
+    apart = x * dx + y * dy + z * dz
+    ax, ay, az = y * waz - z * way, z * wax - x * waz, x * way - y * wax
+    bx, by, bz = y * wbz - z * wby, z * wbx - x * wbz, x * wby - y * wbx
+    s0, s1 = speed_of(t, k, 0, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 1, apart, ax, ay, az, bx, by, bz)
+    s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
+    p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
+    p2, p3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
+    n0 = _impulse(t, k, p0, s0, rate, scale, loss, per)
+    q0 = n0 - p0
+    s1, s2, s3 = s1 + t[K01 + k] * q0, s2 + t[K02 + k] * q0, s3 + t[K03 + k] * q0
+    n1 = _impulse(t, LANES + k, p1, s1, rate, scale, loss, per)
+    q1 = n1 - p1
+    s2, s3 = s2 + t[K12 + k] * q1, s3 + t[K13 + k] * q1
+    n2 = _impulse(t, L2 + k, p2, s2, rate, scale, loss, per)
+    q2 = n2 - p2
+    s3 = s3 + t[K23 + k] * q2
+    n3 = _impulse(t, L3 + k, p3, s3, rate, scale, loss, per)
+    q3 = n3 - p3
+    t[IMPULSE + k], t[IMPULSE + LANES + k], t[IMPULSE + L2 + k], t[IMPULSE + L3 + k] = n0, n1, n2, n3
+    a = ANCHOR + k
+    q = q0 + q1 + q2 + q3
+    px, py, pz = _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3)
+    rx, ry, rz = _sum(t, a + L3, q0, q1, q2, q3), _sum(t, a + L4, q0, q1, q2, q3), _sum(t, a + L5, q0, q1, q2, q3)
+    # What the bodies will have of it, for friction
+    ax, ay, az = turn(t, INERTIA_A, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
+    bx, by, bz = turn(t, INERTIA_B, k, ry * z - rz * y, rz * x - rx * z, rx * y - ry * x)
+    wax, way, waz, wbx, wby, wbz = wax - ax, way - ay, waz - az, wbx + bx, wby + by, wbz + bz
+    f = (t[LIGHT_A + k] + t[LIGHT_B + k]) * q
+    dx, dy, dz = dx + f * x, dy + f * y, dz + f * z
+    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
+    dx, dy, dz = dx - (way * cz - waz * cy), dy - (waz * cx - wax * cz), dz - (wax * cy - way * cx)
+    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
+    dx, dy, dz = dx + (wby * cz - wbz * cy), dy + (wbz * cx - wbx * cz), dz + (wbx * cy - wby * cx)
+    pressed = n0 + n1 + n2 + n3
+    limit = t[FRICTION + k] * pressed
+    u = dx * t[ALONG + k] + dy * t[ALONG + LANES + k] + dz * t[ALONG + L2 + k]
+    v = dx * t[ACROSS + k] + dy * t[ACROSS + LANES + k] + dz * t[ACROSS + L2 + k]
+    p0, p1, p2 = t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k]
+    q0 = p0 - (t[MASS_11 + k] * u + t[MASS_12 + k] * v)
+    q1 = p1 - (t[MASS_12 + k] * u + t[MASS_22 + k] * v)
+    square = q0 * q0 + q1 * q1
+    shrink = limit / math.sqrt(square)
+    shrink = shrink if square > limit * limit else 1.0  # Coulomb's cone
+    q0, q1 = q0 * shrink, q1 * shrink
+    limit = limit * t[RADIUS + k]
+    q2 = p2 - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
+    q2 = min(max(q2, -limit), limit)
+    t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k] = q0, q1, q2
+    _apply(t, s, k, q, px, py, pz, rx, ry, rz, q0 - p0, q1 - p1, q2 - p2)
+    s[PRESSING + k] = pressed
 
 
 @kernel
-def solve(count, pair, points, head, row, velocity, angular, pressed_on, h, soft):
-    """One pass over all contacts: impulses that meet the normal and friction conditions. `soft`: with springs, and
-    marking who is pressed on (n,); else the last of the sub-step, of h s, whose impulses are added up."""
+def press_apart(groups, body, table, moving, s, h):
+    """One pass over all contacts with springs, for a sub-step of h s; marks who is pressed on."""
     frequency = min(CONTACT_FREQUENCY, 0.25 / h)
     omega = 2.0 * math.pi * frequency
     a1 = 2.0 * DAMPING_RATIO + h * omega
     a2 = h * omega * a1
-    spring_rate, spring_mass, spring_loss = omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)
-    if not soft:
-        spring_rate, spring_mass, spring_loss = 0.0, 1.0, 0.0
-    per = 1.0 / h
-    for i in range(count):
-        a, b, t = pair[i, 0], pair[i, 1], head[i]
-        x, y, z, m, n = t[0], t[1], t[2], t[LIGHT_A], t[LIGHT_B]
-        vax, vay, vaz, wax, way, waz = (velocity[a, 0], velocity[a, 1], velocity[a, 2],
-                                        angular[a, 0], angular[a, 1], angular[a, 2])
-        vbx, vby, vbz, wbx, wby, wbz = (velocity[b, 0], velocity[b, 1], velocity[b, 2],
-                                        angular[b, 0], angular[b, 1], angular[b, 2])
-        pressed = 0.0
-        for k in range(points[i]):
-            r = row[i, k]
-            gap, p = r[GAP], r[IMPULSE]
-            # A gap may close within this sub-step, and no faster; an overlap is pushed apart.
-            apart = gap > 0.0
-            bias = gap * per if apart else max(spring_rate * gap, -PUSH_OUT_SPEED)
-            scale = 1.0 if apart else spring_mass
-            loss = 0.0 if apart else spring_loss
-            speed = ((x * (vbx - vax) + y * (vby - vay) + z * (vbz - vaz))
-                     + (r[3] * wbx + r[4] * wby + r[5] * wbz) - (r[0] * wax + r[1] * way + r[2] * waz))
-            wanted = max(p - (r[MASS] * scale * (speed + bias) + loss * p), 0.0)
-            q = wanted - p
-            r[IMPULSE] = wanted
-            if not soft:
-                r[TOTAL] += wanted
-            pressed += wanted
-            f, g = m * q, n * q
-            vax, vay, vaz = vax - f * x, vay - f * y, vaz - f * z
-            vbx, vby, vbz = vbx + g * x, vby + g * y, vbz + g * z
-            wax, way, waz = wax - q * r[6], way - q * r[7], waz - q * r[8]
-            wbx, wby, wbz = wbx + q * r[9], wby + q * r[10], wbz + q * r[11]
-        if soft and pressed > 0.0:
-            pressed_on[a] = pressed_on[b] = True
-        limit = t[FRICTION] * pressed
-        dx, dy, dz = vbx - vax, vby - vay, vbz - vaz
-        u = (_dot(dx, dy, dz, t, 3) + _dot(wbx, wby, wbz, t, ALONG_B) - _dot(wax, way, waz, t, ALONG_A))
-        v = (_dot(dx, dy, dz, t, 6) + _dot(wbx, wby, wbz, t, ACROSS_B) - _dot(wax, way, waz, t, ACROSS_A))
-        old_u, old_v, old_w = t[PUSHED_ALONG], t[PUSHED_ACROSS], t[TWISTED]
-        p = old_u - (t[MASS_11] * u + t[MASS_12] * v)
-        q = old_v - (t[MASS_12] * u + t[MASS_22] * v)
-        square = p * p + q * q
-        if square > limit * limit:  # Coulomb's cone
-            scale = limit / math.sqrt(square)
-            p, q = p * scale, q * scale
-        t[PUSHED_ALONG], t[PUSHED_ACROSS] = p, q
-        u, v = p - old_u, q - old_v
-        fx, fy, fz = u * t[3] + v * t[6], u * t[4] + v * t[7], u * t[5] + v * t[8]
-        wax, way, waz = (wax - u * t[ALONG_TURN_A] - v * t[ACROSS_TURN_A],
-                         way - u * t[ALONG_TURN_A + 1] - v * t[ACROSS_TURN_A + 1],
-                         waz - u * t[ALONG_TURN_A + 2] - v * t[ACROSS_TURN_A + 2])
-        wbx, wby, wbz = (wbx + u * t[ALONG_TURN_B] + v * t[ACROSS_TURN_B],
-                         wby + u * t[ALONG_TURN_B + 1] + v * t[ACROSS_TURN_B + 1],
-                         wbz + u * t[ALONG_TURN_B + 2] + v * t[ACROSS_TURN_B + 2])
-        limit *= t[RADIUS]
-        w = old_w - t[TWIST_MASS] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
-        w = min(max(w, -limit), limit)
-        t[TWISTED] = w
-        w -= old_w
-        velocity[a, 0], velocity[a, 1], velocity[a, 2] = vax - m * fx, vay - m * fy, vaz - m * fz
-        velocity[b, 0], velocity[b, 1], velocity[b, 2] = vbx + n * fx, vby + n * fy, vbz + n * fz
-        angular[a, 0], angular[a, 1], angular[a, 2] = (
-            wax - w * t[TWIST_A], way - w * t[TWIST_A + 1], waz - w * t[TWIST_A + 2])
-        angular[b, 0], angular[b, 1], angular[b, 2] = (
-            wbx + w * t[TWIST_B], wby + w * t[TWIST_B + 1], wbz + w * t[TWIST_B + 2])
+    rate, scale, loss, per = omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), 1.0 / h
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        gather(body, g, moving, s)
+        t = table[g]
+        for k in range(lanes):
+            _press(t, s, k, rate, scale, loss, per)
+        scatter(body, g, moving, s)
+        for k in range(LANES):
+            if s[PRESSING + k] > 0.0:
+                moving[body[g, 0, k], PRESSED] = moving[body[g, 1, k], PRESSED] = 1.0
 
 
 @kernel
-def follow(count, pair, points, normal, anchor, shift, row):
-    """Brings the gaps to where the bodies are now. shift: (n, 12) since detection, how far a body has moved, and the
-    rows of its rotation matrix less the identity."""
-    for i in range(count):
-        s, t = shift[pair[i, 0]], shift[pair[i, 1]]
-        x, y, z = normal[i, 0], normal[i, 1], normal[i, 2]
-        way = x * (t[0] - s[0]) + y * (t[1] - s[1]) + z * (t[2] - s[2])
-        ax, ay, az = (x * s[3] + y * s[6] + z * s[9], x * s[4] + y * s[7] + z * s[10], x * s[5] + y * s[8] + z * s[11])
-        bx, by, bz = (x * t[3] + y * t[6] + z * t[9], x * t[4] + y * t[7] + z * t[10], x * t[5] + y * t[8] + z * t[11])
-        for k in range(points[i]):
-            r, at = row[i, k], anchor[i, k]
-            r[GAP] = r[START] + (way + (bx * at[1, 0] + by * at[1, 1] + bz * at[1, 2])
-                                 - (ax * at[0, 0] + ay * at[0, 1] + az * at[0, 2]))
+def relax(groups, body, table, moving, s, h):
+    """The last pass of a sub-step of h s, without springs, once bodies have moved; adds up the impulses."""
+    per = 1.0 / h
+    lanes = table.shape[1] // FIELDS
+    for g in range(groups):
+        gather(body, g, moving, s)
+        for k in range(LANES):
+            a, b = body[g, 0, k], body[g, 1, k]
+            for c in range(7):
+                s[WAY_A + c * LANES + k], s[WAY_B + c * LANES + k] = moving[a, WAY + c], moving[b, WAY + c]
+        t = table[g]
+        for k in range(lanes):
+            _follow(t, s, k)
+        for k in range(lanes):
+            _press(t, s, k, 0.0, 1.0, 0.0, per)
+        for k in range(L4):
+            t[TOTAL + k] += t[IMPULSE + k]
+        scatter(body, g, moving, s)
