@@ -40,9 +40,8 @@ class Setting:
     sleep: bool = False
 
     def yaml(self) -> str:
-        sleep = f", sleep: {str(self.sleep).lower()}" if "sleep" in Dynamics.model_fields else ""  # TEMPORARY
         return (f"rates: {{physics: {self.rate!r}}}\ndynamics: {{integrator: {self.integrator}, "
-                f"substeps: {self.substeps}{sleep}}}\n")
+                f"substeps: {self.substeps}, sleep: {str(self.sleep).lower()}}}\n")
 
     def __str__(self) -> str:
         sleep = ", bodies may sleep" if self.sleep else ""
@@ -94,8 +93,8 @@ def _obj(size: tuple[float, float, float]) -> str:
 
 def with_dynamics(scene: Scene, setting: Setting) -> Scene:
     """The scene, moved in that way; it keeps its own rate."""
-    how = Dynamics.model_validate({"integrator": setting.integrator, "substeps": setting.substeps}
-                                  | ({"sleep": setting.sleep} if "sleep" in Dynamics.model_fields else {}))
+    how = Dynamics.model_validate({"integrator": setting.integrator, "substeps": setting.substeps,
+                                   "sleep": setting.sleep})
     return scene.model_copy(update={"dynamics": how})
 
 

@@ -31,7 +31,8 @@ Error of the position, and CPU time per simulated second, at {row_rates} Hz:
 **sub-steps** are those of a step of 1/{substepped:g} s: contacts are found once a step, and solved once a sub-step.
 With contacts, the other lines of ours have {in_contact} sub-steps a step. MuJoCo {mujoco} and PyBullet {pybullet} run
 beside ours with friction set alike and without damping. MuJoCo's contacts are springs, so that its bounce and its
-stack have an error that no step makes smaller. The published figures are those of 'boxes' at its authors' machine: {published}.
+stack have an error that no step makes smaller. The published figures are those of 'boxes' at its authors' machine:
+{published}.
 
 {attitude}
 

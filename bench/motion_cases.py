@@ -86,7 +86,7 @@ CASES = {
         "A million steps of the island",
         "Nine hours on the island with nobody there.",
         "no number that is not finite, nothing at rest drifts more than 1 mm",
-        motion_whole.island, (PLAIN,)),
+        motion_whole.island, BOTH),
     "repeats": Case(
         "Twice the same",
         "A drone flies into 24 falling crates, three times over.",
