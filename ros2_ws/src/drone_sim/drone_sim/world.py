@@ -16,12 +16,13 @@ from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.motion import Motion
+from drone_sim.dynamics.sleep import Sleep
 from drone_sim.effects.gravity import Parameters as Gravity
 from drone_sim.flight import direct, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
-from drone_sim.stage import Stage, in_python
+from drone_sim.stage import Stage
 from drone_sim.state import State
 
 
@@ -47,6 +48,7 @@ def tick(step):
     step[0] += 1
 
 
+NOBODY = np.empty(0, np.int64)
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
 
@@ -75,7 +77,9 @@ class World:
         weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self._events = Events(self.detection)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
+        self._events = Events(lambda: self.detection.manifolds,
+                              lambda: self.sleep.touching if self.sleep else NOBODY)
 
         built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
         if flying:
@@ -87,7 +91,7 @@ class World:
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
                              self.scene.dynamics.substeps)
-        self._after = [in_python("events", self._events)]
+        self._after = [self.sleep.falling_asleep] if self.sleep else []
         if flying:
             self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
@@ -97,7 +101,8 @@ class World:
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = Program([*self._before, *self.detection.stages, self.motion.stage, *self._after])
+        self.program = Program([*self._before, *self.detection.stages, *([self.sleep.waking] if self.sleep else []),
+                                self.motion.stage, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
@@ -123,6 +128,8 @@ class World:
         d = self._drone_of[drone]
         self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
         self.state.silence[d] = -1  # which the next step makes 0
+        if self.sleep and any(command) and self.detection.sleeping[self.model.drones.body[d]]:
+            self.sleep.wake(self.model.drones.body[d : d + 1])
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
         """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
@@ -140,6 +147,8 @@ class World:
         if a == b != "":
             raise ValueError(f"b: expected another object than '{a}'")
         self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
+        if self.sleep:
+            self.sleep.wake(np.flatnonzero(self.model.bodies.movable))
         self.detection.prepare()
         self._assemble()
         self.compile()
@@ -148,7 +157,8 @@ class World:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
         self.detection.clear()
-        self._events.clear()
+        if self.sleep:
+            self.sleep.forget()
         if self.detection.levels.clear():
             self.detection.prepare()
             self._assemble()

@@ -1,5 +1,6 @@
 """Collision detection of a whole step, as stages: broad phase, then the contacts of each pair at its level."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -68,13 +69,10 @@ def approach(awake, binned, solid, position, orientation, velocity, spin, half, 
 
 @kernel
 def touch(count, position, axes, half, ordered, floor_height, level, everything, margin, table, cut, of_a, of_b, number,
-          end, pair, points, normal, point, anchors, separation, feature, met, impulse, friction, last_end, last_pair,
-          last_points, last_normal, last_feature, last_impulse, last_friction):
+          end, pair, points, normal, point, anchors, separation, feature, met):
     """The contacts of spheres, boxes and floors."""
     if count[PAIRS] > points.shape[0]:
         return MORE_MANIFOLDS
-    keep(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
-         last_feature, last_impulse, last_friction)
     found = find_boxes(count[PAIRS], position, axes, half, ordered[0], ordered[1], floor_height, level, everything,
                        margin, table, cut, of_a, of_b, number, pair, points, normal, point, separation, feature, met, 0)
     end[BOXES] = found
@@ -119,12 +117,14 @@ class Detection:
         self._now = Placed(np.arange(n), state.position_w, state.orientation_w, self.axes, half)
         self._impacts = Impacts(bodies.half, dt)
         self._quick: Booleans = np.zeros(n, np.bool_)
+        self.sleeping: Booleans = np.zeros(n, np.bool_)
         self._movers, self._binned = np.empty(n, np.int64), np.full(n + 1, -1)
         self._count: Integers = np.zeros(4, np.int64)
         self._scratch = narrow.scratch()
         self._meshes: meshes.Meshes | None = None
         self._with_meshes: Integers = np.empty(0, np.int64)
         self._program: Program | None = None
+        self.on_waking: Callable[[], None] = lambda: None  # called when others are awake than before
         self._make_room(len(self._grid.ordered[0]))
         self.prepare()
 
@@ -137,7 +137,7 @@ class Detection:
     def stages(self) -> tuple[Stage, ...]:
         """Those of a step; a scene without meshes has none for them."""
         fine = (Stage("mesh contacts", any_fine, (self._count,), self._find_fine),) if self.levels.uses_meshes else ()
-        return (Stage("broad phase", approach, self._broad_arguments, self._attend),
+        return (Stage("keep", keep, self._keep_arguments), Stage("broad phase", approach, self._broad_arguments, self._attend),
                 Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *fine,
                 Stage("impacts", any_ahead, (self._count,), self._find_ahead),
                 Stage("warm start", carry_over, self._warm_arguments))
@@ -146,7 +146,8 @@ class Detection:
         """Tells which program to bind anew when arrays become others."""
         self._program = program
 
-    def _bind(self) -> None:
+    def bind(self) -> None:
+        """Takes all arrays anew, as some are others now."""
         if self._program:
             self._program.bind()
 
@@ -157,17 +158,20 @@ class Detection:
                 self.axes, self._low, self._high, self._quick, self._movers, *self._grid.tables(), self._floor_height,
                 self._level, self._everything, self._margin, self._swept, self._count)
 
+    def _keep_arguments(self) -> tuple[Any, ...]:
+        m = self.manifolds
+        return (m.end, m.pair, m.level, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.impulse, m.friction,
+                m.total, *m.last.arrays())
+
     def _contact_arguments(self) -> tuple[Any, ...]:
-        m, last = self.manifolds, self.manifolds.last
+        m = self.manifolds
         return (self._count, self._state.position_w, self.axes, self._now.half, self._grid.ordered, self._floor_height,
                 self._level, self._everything, self._margin, *self._scratch, m.end, m.pair, m.points, m.normal_w,
-                m.point_w, m.anchor_w, m.separation, m.feature, m.level, m.impulse, m.friction, m.last_end, last.pair,
-                last.points, last.normal_w, last.feature, last.impulse, last.friction)
+                m.point_w, m.anchor_w, m.separation, m.feature, m.level)
 
     def _warm_arguments(self) -> tuple[Any, ...]:
-        m, last = self.manifolds, self.manifolds.last
-        return (m.end, m.pair, m.points, m.normal_w, m.feature, m.impulse, m.friction, m.last_end, last.pair,
-                last.points, last.normal_w, last.feature, last.impulse, last.friction)
+        m = self.manifolds
+        return (m.end, m.pair, m.points, m.normal_w, m.feature, m.impulse, m.friction, *m.last.arrays())
 
     def _attend(self, code: int) -> str | None:
         """Makes the broad phase able to go on."""
@@ -175,6 +179,7 @@ class Detection:
         movers = np.flatnonzero(self._awake() & self._model.bodies.solid)
         again: str | None = "broad phase"
         if code == OTHERS_STAND_STILL:
+            self.on_waking()
             self._settle()
         elif code == CROWDED:
             self._grid.think_over(low, high, movers)
@@ -182,7 +187,7 @@ class Detection:
         else:
             self._grid.renew(code, needed, low, high, movers)
             self._make_room(len(self._grid.ordered[0]))
-        self._bind()
+        self.bind()
         return again
 
     def _awake(self) -> Booleans:
@@ -198,6 +203,7 @@ class Detection:
         bounds(s.position_w, self.axes, bodies.half, self._radius, s.velocity_w, self._dt, MARGIN, self._low,
                self._high)
         self._quick[:] = False
+        self.sleeping[:] = bodies.movable & ~self._awake()
         self._low[self._planes], self._high[self._planes] = -np.inf, np.inf
         self._high[self._planes, 2] = self._floor_of[self._planes]
         self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._awake()))
@@ -211,7 +217,7 @@ class Detection:
             self._with_meshes = bodies
         self._radius = self._ball if self.levels.uses(SPHERE) else np.zeros_like(self._ball)
         self._binned[:] = -1
-        self._bind()
+        self.bind()
 
     def compile(self) -> None:
         """Compiles what a step may need beside the stages, so that no step has to."""
@@ -234,7 +240,7 @@ class Detection:
 
     def _more_manifolds(self, code: int) -> str:
         self.manifolds = self.manifolds.with_room(2 * int(self._count[PAIRS]))
-        self._bind()
+        self.bind()
         return "contacts"
 
     def _pairs(self) -> Pairs:
@@ -251,14 +257,14 @@ class Detection:
         m.end[MESHES] = m.end[SWEPT]
         anchor(m.end[OTHERS], m.count, m.pair, m.points, m.point_w, self._state.position_w, m.anchor_w)
         if m is not before:
-            self._bind()
+            self.bind()
 
     def _find_ahead(self, code: int) -> None:
         """Appends the contacts that fast bodies will have within the step."""
         before, pairs = self.manifolds, self._pairs()
         self._look_ahead(_only(self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
         if self.manifolds is not before:
-            self._bind()
+            self.bind()
 
     def _look_ahead(self, pairs: Pairs) -> None:
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)

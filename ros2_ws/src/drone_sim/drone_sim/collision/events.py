@@ -1,10 +1,14 @@
-"""Begin, persist and end: how the contacts of a step differ from those of the step before."""
+"""Begin, persist and end: how the contacts of a step differ from those of the step before. Worked out when asked for."""
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import NamedTuple
 
-from drone_sim.collision.detection import Detection
-from drone_sim.collision.manifold import Manifolds
+import numpy as np
+
+from drone_sim.arrays import Floats, Integers
+from drone_sim.collision.manifold import Manifolds, touches
+from drone_sim.kernel import kernel
 
 Vector = tuple[float, float, float]
 
@@ -30,42 +34,60 @@ class Event(NamedTuple):
     impulse: float
 
 
+class Touching(NamedTuple):
+    """k pairs of bodies that overlap or push each other, each once, in order; being near is not touching."""
+
+    key: Integers  # (k,) a << 32 | b
+    level: Integers  # (k,)
+    normal: Floats  # (k, 3)
+    touch: Floats  # (k, 5) deepest point, depth, impulse
+
+
+@kernel
+def all_touches(count, points, point, separation, total, out):
+    """Writes how each manifold touches, (m, 5)."""
+    for i in range(count):
+        touches(i, points, point, separation, total, out[i])
+
+
+def touching(pair: Integers, level: Integers, normal: Floats, touch: Floats) -> Touching:
+    """Those manifolds that touch, one for each pair: the deepest, with the impulses of all."""
+    rows = np.flatnonzero((touch[:, 3] >= 0.0) | (touch[:, 4] > 0.0))
+    key = pair[rows, 0] << 32 | pair[rows, 1]
+    order = np.lexsort((-touch[rows, 3], key))  # of a pair the deepest first
+    rows, key = rows[order], key[order]
+    first = np.flatnonzero(np.diff(key, prepend=-1))
+    chosen = touch[rows[first]]
+    if len(first):
+        chosen[:, 4] = np.add.reduceat(touch[rows, 4], first)
+    chosen[:, 3] = np.maximum(chosen[:, 3], 0.0)
+    return Touching(key[first], level[rows[first]], normal[rows[first]], chosen)
+
+
 class Events:
-    """The stage that compares; `current` are the events of the step."""
+    """What began, went on and ended to touch in the last step."""
 
-    def __init__(self, detection: Detection) -> None:
-        self._detection = detection
-        self._touching: dict[tuple[int, int], Event] = {}
-        self.current: list[Event] = []
+    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], Integers]) -> None:
+        """asleep: the keys of pairs that touch in their sleep, of which nothing is said."""
+        self._manifolds, self._asleep = manifolds, asleep
 
-    def clear(self) -> None:
-        """Forgets who touches whom."""
-        self._touching, self.current = {}, []
+    @property
+    def current(self) -> list[Event]:
+        m = self._manifolds()
+        count, touch = m.count, np.empty((m.count, 5))
+        all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
+        now = touching(m.pair[:count], m.level[:count], m.normal_w[:count], touch)
+        last, old = m.last, m.last.end[-1]
+        before = touching(last.pair[:old], last.level[:old], last.normal_w[:old], last.touch[:old])
+        went_on = np.isin(now.key, before.key)
+        ended = ~np.isin(before.key, np.concatenate([now.key, self._asleep()]))
+        return [*_events(now, np.where(went_on, Phase.PERSIST, Phase.BEGIN)),
+                *_events(Touching(*(array[ended] for array in before)), np.full(ended.sum(), Phase.END))]
 
-    def __call__(self) -> None:
-        now = _touching(self._detection.manifolds)
-        before = self._touching
-        self.current = [event._replace(phase=Phase.PERSIST if pair in before else Phase.BEGIN)
-                        for pair, event in now.items()]
-        self.current += [event._replace(phase=Phase.END) for pair, event in before.items() if pair not in now]
-        self._touching = now
 
-
-def _touching(m: Manifolds) -> dict[tuple[int, int], Event]:
-    """Pairs that overlap or push each other; being near is not touching."""
-    touching: dict[tuple[int, int], Event] = {}
-    for i in range(m.count):
-        points = int(m.points[i])
-        deepest = int(m.separation[i, :points].argmin())
-        depth = -float(m.separation[i, deepest])
-        impulse = float(m.total[i, :points].sum())
-        if depth < 0.0 and impulse <= 0.0:
-            continue
-        a, b = (int(body) for body in m.pair[i])
-        event = Event(Phase.BEGIN, a, b, int(m.level[i]), tuple(m.point_w[i, deepest].tolist()),
-                      tuple(m.normal_w[i].tolist()), max(depth, 0.0), impulse)
-        if other := touching.get((a, b)):  # meshes touch on several sides
-            deeper = event if event.depth > other.depth else other
-            event = deeper._replace(impulse=event.impulse + other.impulse)
-        touching[a, b] = event
-    return touching
+def _events(of: Touching, phases: Integers) -> list[Event]:
+    phase = [Phase(number) for number in range(3)]
+    return [Event(phase[p], key >> 32, key & 0xFFFFFFFF, level, (x, y, z), tuple(normal), depth, impulse)
+            for p, key, level, normal, (x, y, z, depth, impulse) in zip(
+                phases.tolist(), of.key.tolist(), of.level.tolist(), of.normal.tolist(), of.touch.tolist(),
+                strict=True)]

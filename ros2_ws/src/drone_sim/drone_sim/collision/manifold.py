@@ -1,6 +1,7 @@
 """Contacts: for each pair that touches or nearly does, a normal and up to eight points, and how boxes come to them."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -36,8 +37,7 @@ class Manifolds:
         self.friction: Floats = np.empty((capacity, 2, 4))  # of the first four points, and of the others: N s in the
         # world, N m s about the normal; of the last sub-step
         self.total: Floats = np.empty((capacity, POINTS))  # N s, along the normal, in the whole step
-        self.last_end: Integers = np.zeros(PARTS, np.int64)  # and what is kept of the step before
-        self.last = Last(capacity)
+        self.last = Last(capacity)  # what is kept of the step before
 
     @property
     def count(self) -> int:
@@ -54,49 +54,80 @@ class Manifolds:
 
     def forget(self) -> None:
         """There are no contacts, and there were none."""
-        self.end[:] = self.last_end[:] = 0
+        self.end[:] = self.last.end[:] = 0
 
     def with_room(self, more: int) -> "Manifolds":
         """These, or a larger copy that holds so many more."""
         if self.count + more <= self.capacity:
             return self
         larger = Manifolds(2 * (self.count + more))
-        larger.end[:], larger.last_end[:] = self.end, self.last_end
-        for mine, others, count in ((self, larger, self.count), (self.last, larger.last, self.last_end[-1])):
-            for name, value in vars(mine).items():
-                if isinstance(value, np.ndarray) and len(value) == mine.capacity:
-                    getattr(others, name)[:count] = value[:count]
+        larger.last = self.last.with_room(larger.capacity)
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                count = PARTS if name == "end" else self.count
+                getattr(larger, name)[:count] = value[:count]
         return larger
 
 
 class Last:
-    """What is kept of a step's manifolds, so that those of the next start where they ended."""
+    """What is kept of a step's manifolds: how those of the next start, and what touched."""
 
     def __init__(self, capacity: int) -> None:
-        self.capacity = capacity
+        self.end: Integers = np.zeros(PARTS, np.int64)
         self.pair: Integers = np.empty((capacity, 2), np.int64)
+        self.level: Integers = np.empty(capacity, np.int64)
         self.points: Integers = np.empty(capacity, np.int64)
         self.normal_w: Floats = np.empty((capacity, 3))
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)
         self.impulse: Floats = np.empty((capacity, POINTS))
         self.friction: Floats = np.empty((capacity, 2, 4))
+        self.touch: Floats = np.empty((capacity, 5))  # as `touches` writes it
+
+    def with_room(self, capacity: int) -> "Last":
+        """These, or a larger copy that holds so many."""
+        if capacity <= len(self.points):
+            return self
+        larger = Last(capacity)
+        for name, value in vars(self).items():
+            count = PARTS if name == "end" else self.end[-1]
+            getattr(larger, name)[:count] = value[:count]
+        return larger
+
+    def arrays(self) -> tuple[Any, ...]:
+        """As `keep` and `carry_over` take them."""
+        return (self.end, self.pair, self.level, self.points, self.normal_w, self.feature, self.impulse, self.friction,
+                self.touch)
 
 
 @kernel
-def keep(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
-         last_feature, last_impulse, last_friction):
-    """Copies what is kept of the manifolds."""
-    for part in range(end.shape[0]):
+def touches(i, points, point, separation, total, out):
+    """Writes how manifold i touches: its deepest point, the depth there, the impulse of the step; depth and impulse are
+    not both 0 or less where it does."""
+    best, impulse = 0, 0.0
+    for k in range(points[i]):
+        impulse += total[i, k]
+        if separation[i, k] < separation[i, best]:
+            best = k
+    out[0], out[1], out[2], out[3], out[4] = (point[i, best, 0], point[i, best, 1], point[i, best, 2],
+                                              -separation[i, best], impulse)
+
+
+@kernel
+def keep(end, pair, level, points, normal, point, separation, feature, impulse, friction, total, last_end, last_pair,
+         last_level, last_points, last_normal, last_feature, last_impulse, last_friction, last_touch):
+    """Copies what is kept of the manifolds, before those of another step are found."""
+    for part in range(PARTS):
         last_end[part] = end[part]
-    for i in range(end[-1]):
+    for i in range(end[PARTS - 1]):
         last_pair[i, 0], last_pair[i, 1] = pair[i, 0], pair[i, 1]
-        last_points[i] = points[i]
+        last_points[i], last_level[i] = points[i], level[i]
         for c in range(3):
             last_normal[i, c] = normal[i, c]
         for c in range(4):
             last_friction[i, 0, c], last_friction[i, 1, c] = friction[i, 0, c], friction[i, 1, c]
         for k in range(points[i]):
             last_feature[i, k], last_impulse[i, k] = feature[i, k], impulse[i, k]
+        touches(i, points, point, separation, total, last_touch[i])
 
 
 @kernel
@@ -110,8 +141,8 @@ def anchor(first, count, pair, points, point, position, anchors):
 
 
 @kernel
-def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_points, last_normal,
-               last_feature, last_impulse, last_friction):
+def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_level, last_points,
+               last_normal, last_feature, last_impulse, last_friction, last_touch):
     """Starts each point with the impulse that the point of the same pair and feature, and of nearly the same normal,
     ended the last step with, and each manifold with its friction. Both stand in the order of their pairs."""
     for part in range(PARTS):

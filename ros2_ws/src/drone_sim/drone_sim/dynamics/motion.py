@@ -14,7 +14,7 @@ from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.bounce import aim, note, throw
 from drone_sim.dynamics.constraints import COLOURS, colour, enter, group, inverse_inertia, tables, take_back, work_out
 from drone_sim.dynamics.integrators import (
-    cayley, move, moved, push_euler, push_midpoint, spun_midpoint, to_body, to_world,
+    cayley, move, move_midpoint, moved, push_euler, push_midpoint, spun_midpoint, to_body, to_world,
 )
 from drone_sim.dynamics.solver import GATHERED, PRESSED, ROW, WAY, press_apart, relax, warm_start
 from drone_sim.effects import Setting
@@ -84,10 +84,13 @@ def meet(held, groups, body, table, position, orientation, velocity, angular, in
     store(held, velocity, angular, moving)
     for k in range(1, 1 + held[0]):
         i = held[k]
-        move(i, position, orientation, velocity, angular, h)
-        if second_order and moving[i, PRESSED] == 0.0:  # it only fell
-            for c in range(3):
-                position[i, c] -= 0.5 * h * h * inverse_mass[i] * force[i, c]
+        if second_order:
+            move_midpoint(i, position, orientation, velocity, angular, h)
+            if moving[i, PRESSED] == 0.0:  # it only fell
+                for c in range(3):
+                    position[i, c] -= 0.5 * h * h * inverse_mass[i] * force[i, c]
+        else:
+            move(i, position, orientation, velocity, angular, h)
         moved(i, position, orientation, start, moving)
     relax(groups, body, table, moving, gathered, h)
     if bouncing:

@@ -7,6 +7,7 @@ holds its position; at rest on a support without a command it lands, and its rot
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from drone_sim.collision.manifold import Manifolds
 from drone_sim.effects import Setting, Stages
 from drone_sim.kernel import kernel
 from drone_sim.rotation import matrix, rotate
-from drone_sim.stage import Stage, in_python
+from drone_sim.stage import Stage
 
 SILENCE = 0.5  # s of simulated time after which a command is over
 RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
@@ -106,7 +107,7 @@ def _limited(x, y, z, limit):
 
 
 @kernel
-def land(velocity, body, command, silence, dt, count, pair, points, normal, total, landed):
+def land(velocity, body, command, silence, dt, end, pair, points, normal, total, landed):
     """Marks drones as landed that rest on something and are not told to leave it."""
     for d in range(body.shape[0]):
         i = body[d]
@@ -116,10 +117,12 @@ def land(velocity, body, command, silence, dt, count, pair, points, normal, tota
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2)
         if not staying or speed > STILL:
             continue
-        for c in range(count):
+        for c in range(end[-1]):
             up = normal[c, 2] if pair[c, 1] == i else -normal[c, 2]
-            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7 and total[c, :points[c]].sum() > 0.0:
-                landed[d] = 1
+            if (pair[c, 0] == i or pair[c, 1] == i) and up > 0.7:
+                for k in range(points[c]):
+                    if total[c, k] > 0.0:
+                        landed[d] = 1
 
 
 def build(setting: Setting, weight: float) -> Stages:
@@ -138,9 +141,9 @@ def build_landing(setting: Setting, manifolds: Callable[[], Manifolds]) -> Stage
     """After the contacts: who has come to rest."""
     s, body = setting.state, setting.model.drones.body
 
-    def settle() -> None:
+    def arguments() -> tuple[Any, ...]:
         m = manifolds()
-        land(s.velocity_w, body, s.command_b, s.silence, setting.dt, m.count, m.pair, m.points, m.normal_w, m.total,
-             s.landed)
+        return (s.velocity_w, body, s.command_b, s.silence, setting.dt, m.end, m.pair, m.points, m.normal_w, m.total,
+                s.landed)
 
-    return in_python("landing", settle)
+    return Stage("landing", land, arguments)
