@@ -1,4 +1,4 @@
-"""Makes the oracles and families beside the tests importable, and the cases of motion, which are held to their numbers."""
+"""Makes the oracles and families beside the tests importable; holds cases of motion to their numbers."""
 
 import sys
 from collections.abc import Callable
