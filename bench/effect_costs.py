@@ -2,6 +2,7 @@
 
 import statistics
 from collections.abc import Callable
+from pathlib import Path
 from time import process_time
 from typing import Any, NamedTuple
 
@@ -10,12 +11,15 @@ from box_world import Box, Setting, world_of
 from rich.progress import Progress
 
 from drone_sim.effects import EFFECTS
+from drone_sim.scene import parse
 from drone_sim.world import World
 
 SETTING = Setting(rate=240.0, substeps=1)
 BLOCK = 0.5  # s of simulated time between commands, and in one timing
 LEAST = 0.05  # s of CPU time in one timing
 STEPS = 100  # between commands, while timing
+ROTORS = (("front_left", 0.19, 0.19, "cw", -1), ("front_right", 0.19, -0.19, "ccw", 1),
+          ("rear_left", -0.19, 0.19, "ccw", 1), ("rear_right", -0.19, -0.19, "cw", -1))
 COMMAND = (1.5, 0.0, 0.0, 0.2)  # m/s, rad/s
 
 
@@ -39,9 +43,14 @@ def throw(effects: str) -> World:
 
 def fly(effects: str) -> World:
     """Two quadrotors close over the ground, one above the other."""
-    drones = {f"drone_{i}": Box((0.5, 0.5, 0.16), (0.0, 0.0, 0.3 + 1.2 * i), 1.5,
-                                extra="flight: {model: quadrotor, cmd_vel: cmd_vel}") for i in range(2)}
-    return world_of(drones, SETTING, effects, floor=0.0)
+    lines = [f"version: 1\n{SETTING.yaml()}effects: {{{effects}}}\nobjects:",
+             "  floor: {model: hangar_floor, static: true, collision: {level: floor}}"]
+    for drone, height in (("lower", 0.3), ("upper", 1.5)):
+        lines.append(f"  {drone}: {{model: drone, pose: [0, 0, {height}], mass: 1.5, "
+                     "flight: {model: quadrotor, cmd_vel: cmd_vel}}")
+        lines += [f"  {drone}_{place}: {{model: drone_rotor_{turns}, parent: {drone}, pose: [{x}, {y}, 0.066], "
+                  f"rotor: {{direction: {direction}}}}}" for place, x, y, turns, direction in ROTORS]
+    return World(parse("\n".join(lines), Path("scenes/effects.yaml")))
 
 
 def dip(effects: str) -> World:

@@ -45,6 +45,7 @@ flight ends from where it does without the effect. An effect that a scene does n
 
 {effects}
 """
+LEAST = 0.05  # us: less is the clock's noise
 KEPT_RATES = (60.0, 240.0, 960.0)
 
 
@@ -109,7 +110,7 @@ def _attitude(flight: dict[str, Any]) -> str:
 def _effects(effects: dict[str, Any]) -> str:
     lines = ["| effect | µs a step | bodies | flight | without it, the end is off by |", "|---|--:|--:|---|--:|"]
     for name, cost in effects.items():
-        lines.append(f"| {name} | {cost['us']:.2f} | {cost['bodies']} | {cost['flight']}, {cost['seconds']:g} s "
+        lines.append(f"| {name} | {_us(cost['us'])} | {cost['bodies']} | {cost['flight']}, {cost['seconds']:g} s "
                      f"| {_metres(cost['off_m'])} |")
     return "\n".join(lines)
 
@@ -127,6 +128,10 @@ def _metres(value: float) -> str:
         if value * factor >= 1.0:
             return f"{value * factor:.2g} {unit}" if value * factor < 100.0 else f"{value * factor:.0f} {unit}"
     return "< 1 nm"
+
+
+def _us(value: float) -> str:
+    return f"{value:.2f}" if value >= LEAST else f"< {LEAST}"
 
 
 def _ms(value: float) -> str:

@@ -94,7 +94,7 @@ def effects(result: dict[str, Any]) -> Figure:
                          "What a scene does not name costs nothing.")
     found = sorted(result["effects"].items(), key=lambda item: -item[1]["off_m"])
     rows = np.arange(len(found))[::-1]
-    panels = ((0.16, "us", "CPU time per step, µs", "#7fa8d6", lambda v: f"{v:.2f} µs"),
+    panels = ((0.16, "us", "CPU time per step, µs", "#7fa8d6", lambda v: f"{v:.2f} µs" if v >= 0.05 else "< 0.05 µs"),
               (0.60, "off_m", "off without it", "#efa22f", _tell))
     for left, key, title, colour, tell in panels:
         axes = figure.add_axes((left, 0.12, 0.36, 0.6))
@@ -105,7 +105,7 @@ def effects(result: dict[str, Any]) -> Figure:
             axes.set_xlim(min(values) / 3, max(values) * 6)
         else:
             axes.set_xlim(0, max(values) * 1.25)
-        axes.barh(rows, values, height=0.62, color=colour, zorder=3)
+        axes.barh(rows, np.maximum(values, 0.0), height=0.62, color=colour, zorder=3)
         for row, (_, cost), value in zip(rows, found, values, strict=True):
             axes.annotate(tell(cost[key]), (max(value, 0.0), row), xytext=(4, 0), textcoords="offset points",
                           va="center", fontsize=8.5, color=style.INK)
