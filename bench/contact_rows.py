@@ -12,7 +12,6 @@ from heap import FRICTION, RATE, SUBSTEPS, heap
 from report import Row
 
 FALL, SETTLE, REST = 240, 470, 240  # steps: falling, from there to rest, and watched at rest
-LATER = 1440  # more steps of settling before depth, energy and speed at rest are looked at
 NEWTON_STEPS = 2  # of MuJoCo's Newton solver with 1,024 boxes in contact: each takes seconds
 MANY = 1000  # boxes from which on Newton is not waited for
 BLOCK = 0.4  # s of CPU time for each round at rest
@@ -32,10 +31,11 @@ class Size(NamedTuple):
     rounds: int
     heaps: tuple[int, ...]
     newton: bool  # at a thousand boxes in contact, too
+    later: int  # more steps of settling before depth, energy and speed at rest are looked at
 
 
-FULL = Size(5, (4, 64, 1024), True)
-QUICK = Size(3, (4, 64), False)
+FULL = Size(5, (4, 64, 1024), True, 1440)
+QUICK = Size(2, (4, 64), False, 480)
 
 
 class Rates(NamedTuple):
@@ -70,7 +70,9 @@ def heap_rows(movable: int, size: Size) -> Iterator[Row]:
         given = {"Box3D, 4 sub-steps, given": BOX3D[movable][0][i] * scale,
                  "Box3D, 1 sub-step, given": BOX3D[movable][1][i] * scale}
         yield speed(f"{work}, {name}", rates, given, ASKED[movable][i])
-    yield from quality(work, engines, movable, start)
+    if movable >= MANY:  # Newton is too slow to be settled
+        engines = [engine for engine in engines if not engine.name.endswith("NEWTON")]
+    yield from quality(work, engines, start, size.later)
     for engine in engines:
         engine.close()
 
@@ -133,15 +135,13 @@ def speed(work: str, rates: Mapping[str, Rates], given: Mapping[str, float], ask
                best={name: rate.best for name, rate in rates.items()})
 
 
-def quality(work: str, engines: Sequence[Engine], movable: int, start: float) -> Iterator[Row]:
+def quality(work: str, engines: Sequence[Engine], start: float, later: int) -> Iterator[Row]:
     """What is left at rest: the deepest penetration, the energy's drift in % of what the fall set free, speeds."""
     found: dict[str, dict[str, float]] = {"deepest penetration at rest": {}, "energy drift at rest": {},
                                           "highest speed at rest": {}}
     units = ("mm", "% of the fall per s", "mm/s")
     for engine in engines:
-        if movable >= MANY and engine.name.endswith("NEWTON"):
-            continue  # too slow to be settled
-        engine.run(LATER)
+        engine.run(later)
         first, deep, fast = engine.energy(), [], []
         for _ in range(0, REST, 10):
             engine.run(10)
@@ -162,7 +162,7 @@ def asleep(size: Size) -> Iterator[Row]:
                              MuJoCo(boxes, RATE)]
     for engine in engines:
         engine.reset()
-        engine.run(20 * int(RATE))
+        engine.run(12 * int(RATE))
     before = engines[0].positions().copy()
     if engines[0].fastest() > 0.0:
         raise SystemExit("boxes that should be asleep move")

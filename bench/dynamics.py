@@ -10,6 +10,8 @@ import warnings
 from collections.abc import Iterator
 from importlib.metadata import version
 
+os.environ["SCIPY_ARRAY_API"] = "1"  # which crazyflow needs before SciPy is imported
+
 import contact_rows
 import flight_rows
 from contact_rows import FULL, QUICK, Size
