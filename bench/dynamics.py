@@ -27,6 +27,7 @@ def rows(size: Size) -> Iterator[Row]:
     yield from contact_rows.asleep(size)
     yield from flight_rows.quadrotor_rows(size.rounds)
     yield flight_rows.island_row(size.rounds)
+    yield flight_rows.unnamed_row(size.rounds)
 
 
 def main() -> None:

@@ -1,6 +1,8 @@
 """Rows of the dynamics benchmark that fly: quadrotors, and the island as a whole."""
 
 from collections.abc import Iterator
+from functools import partial
+from unittest.mock import patch
 
 import numpy as np
 import quadrotors
@@ -8,6 +10,7 @@ from box_world import Box, Setting, scene_of
 from clock import Times, side_by_side
 from report import Row
 
+from drone_sim import effects
 from drone_sim.arrays import Floats
 from drone_sim.fleet import Fleet
 from drone_sim.scene import load
@@ -16,6 +19,7 @@ from drone_sim.world import World
 COMMAND = (1.0, 0.0, 0.0, 0.2)  # m/s, rad/s
 ASKED = {"step": 300e3, "hundred": 4e6, "thousand": 12e6}
 ISLAND_ASKED = 500.0
+UNNAMED_STEPS = 1000
 ISLAND_SECONDS, OFTEN = 20.0, 10  # simulated; steps between two commands
 
 
@@ -82,3 +86,18 @@ def island_row(rounds: int) -> Row:
     factor = ISLAND_SECONDS / times.cpu
     return Row("the island, headless, at its default rates: real-time factor", "", factor, f"{ISLAND_ASKED:g}",
                factor >= ISLAND_ASKED, best={"ours": ISLAND_SECONDS / times.best})
+
+
+def unnamed_row(rounds: int) -> Row:
+    """What the effects cost that a scene does not name: beside a program in which they do not exist. In %, of CPU."""
+    scene = load("hangar")
+    kept = {name: effects.EFFECTS[name] for name in effects.EFFECTS if name in scene.effects}
+    with patch.object(effects, "EFFECTS", kept):
+        without = World(scene)
+    worlds = {"ours": World(scene), "without": without}
+    times = side_by_side({name: partial(world.run, UNNAMED_STEPS) for name, world in worlds.items()}, 5 * rounds)
+    if worlds["ours"].program.function.tolist() != without.program.function.tolist():
+        raise SystemExit("effects that the hangar does not name are in its step")
+    cost = 100.0 * (times["ours"].best / times["without"].best - 1.0)
+    return Row(f"the hangar: {len(effects.EFFECTS) - len(kept)} effects that it does not name", "% of a step", cost,
+               "under 2", cost < 2.0)

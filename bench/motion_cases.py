@@ -67,6 +67,11 @@ CASES = {
         "A drone is told to fly at full speed into the corner of two walls, for 60 s.",
         "penetration below 1 mm, speed below 1 cm/s",
         motion_contact.corner, BOTH),
+    "corner_quadrotor": Case(
+        "A quadrotor in a corner",
+        "The same with the flight model 'quadrotor', which can only lean and spin its rotors, for 60 s.",
+        "penetration below 1 mm, speed below 1 cm/s",
+        partial(motion_contact.corner, model="quadrotor"), BOTH),
     "inside": Case(
         "Two bodies in one place",
         "Crates start half inside each other, shifted and turned in 24 ways.",

@@ -19,7 +19,8 @@ HOLDS = "#2f8f5b"
 SHAPES: dict[str, Callable[[Figure], None]] = {
     "tumble": motion_shapes.tumble, "spin": motion_shapes.spin, "stack": motion_shapes.stack,
     "mass_ratio": motion_shapes.mass_ratio, "bounce": motion_shapes.bounce, "plate": motion_shapes.plate,
-    "corner": motion_shapes.corner, "inside": motion_shapes.inside, "sticks": motion_shapes.slope,
+    "corner": motion_shapes.corner, "corner_quadrotor": motion_shapes.corner, "inside": motion_shapes.inside,
+    "sticks": motion_shapes.slope,
     "slides": motion_shapes.slope, "island": motion_shapes.island, "repeats": motion_shapes.heap,
     "stall": motion_shapes.clock}
 

@@ -153,6 +153,9 @@ def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
         axes.plot(series["wall_s"], series[name], color=colour, linewidth=2.0, label=label, drawstyle="steps-post")
 
 
+CORNER: tuple[Panel, ...] = (
+    partial(over_time, series="depth_mm", title="Penetration", up="mm", bound=1.0, text="1 mm", log=True, late=False),
+    partial(over_time, series="speed_cm_s", title="Speed", up="cm/s", bound=1.0, text="1 cm/s", log=True, late=False))
 PANELS: dict[str, tuple[Panel, ...]] = {
     "tumble": (partial(convergence, series="attitude_rad", title="Attitude after 10 s", up="error, rad"),
                partial(convergence, series="position_m", title="Position after 10 s", up="error, m")),
@@ -169,10 +172,8 @@ PANELS: dict[str, tuple[Panel, ...]] = {
                partial(over_time, series="energy_percent", title="Energy", up="change, %", bound=1.0, text="1 %",
                        both=True)),
     "plate": (shots,),
-    "corner": (partial(over_time, series="depth_mm", title="Penetration", up="mm", bound=1.0, text="1 mm", log=True,
-                       late=False),
-               partial(over_time, series="speed_cm_s", title="Speed", up="cm/s", bound=1.0, text="1 cm/s", log=True,
-                       late=False)),
+    "corner": CORNER,
+    "corner_quadrotor": CORNER,
     "inside": (partial(over_time, series="speed_m_s", title="The fastest of 48 crates", up="m/s", bound=1.0,
                        text="1 m/s"),),
     "sticks": (partial(over_time, series="path_m", title="The way down", up="mm", scale=1000.0, bound=1.0,

@@ -29,6 +29,11 @@ def test_a_command_does_not_beat_the_contact_in_a_corner(setting: Setting, hold:
     hold("corner", setting)
 
 
+@pytest.mark.parametrize("setting", CASES["corner_quadrotor"].settings, ids=str)
+def test_the_thrust_of_a_quadrotor_does_not_beat_it_either(setting: Setting, hold: Hold) -> None:
+    hold("corner_quadrotor", setting)
+
+
 @pytest.mark.parametrize("setting", CASES["inside"].settings, ids=str)
 def test_bodies_that_start_inside_each_other_part_slowly(setting: Setting, hold: Hold) -> None:
     hold("inside", setting)
