@@ -64,6 +64,7 @@ class Dynamics(Strict):
 
     integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"
     substeps: Annotated[int, Field(ge=1, le=64)] = 8
+    passes: Annotated[int, Field(ge=1, le=1000)] = 50  # over all contacts in a sub-step, at most
     sleep: bool = True  # whether what rests is left out until something touches it
 
 

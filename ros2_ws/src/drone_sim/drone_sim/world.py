@@ -90,7 +90,7 @@ class World:
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
-                             self.scene.dynamics.substeps)
+                             self.scene.dynamics.substeps, self.scene.dynamics.passes)
         self._after = [self.sleep.falling_asleep] if self.sleep else []
         if flying:
             self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]

@@ -160,8 +160,8 @@ class Detection:
 
     def _keep_arguments(self) -> tuple[Any, ...]:
         m = self.manifolds
-        return (m.end, m.pair, m.level, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.impulse, m.friction,
-                m.total, *m.last.arrays())
+        return (m.end, m.pair, m.level, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.impulse,
+                m.friction, m.total, *m.last.arrays())
 
     def _contact_arguments(self) -> tuple[Any, ...]:
         m = self.manifolds
@@ -171,7 +171,8 @@ class Detection:
 
     def _warm_arguments(self) -> tuple[Any, ...]:
         m = self.manifolds
-        return (m.end, m.pair, m.points, m.normal_w, m.feature, m.impulse, m.friction, *m.last.arrays())
+        return (m.end, m.pair, m.points, m.normal_w, m.point_w, m.feature, m.impulse, m.friction,
+                *m.last.arrays())
 
     def _attend(self, code: int) -> str | None:
         """Makes the broad phase able to go on."""

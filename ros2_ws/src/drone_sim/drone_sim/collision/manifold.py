@@ -78,6 +78,7 @@ class Last:
         self.level: Integers = np.empty(capacity, np.int64)
         self.points: Integers = np.empty(capacity, np.int64)
         self.normal_w: Floats = np.empty((capacity, 3))
+        self.point_w: Floats = np.empty((capacity, POINTS, 3))
         self.feature: Integers = np.empty((capacity, POINTS), np.int64)
         self.impulse: Floats = np.empty((capacity, POINTS))
         self.friction: Floats = np.empty((capacity, 2, 4))
@@ -95,8 +96,8 @@ class Last:
 
     def arrays(self) -> tuple[Any, ...]:
         """As `keep` and `carry_over` take them."""
-        return (self.end, self.pair, self.level, self.points, self.normal_w, self.feature, self.impulse, self.friction,
-                self.touch)
+        return (self.end, self.pair, self.level, self.points, self.normal_w, self.point_w, self.feature, self.impulse,
+                self.friction, self.touch)
 
 
 @kernel
@@ -114,7 +115,8 @@ def touches(i, points, point, separation, total, out):
 
 @kernel
 def keep(end, pair, level, points, normal, point, separation, feature, impulse, friction, total, last_end, last_pair,
-         last_level, last_points, last_normal, last_feature, last_impulse, last_friction, last_touch):
+         last_level, last_points, last_normal, last_point, last_feature, last_impulse, last_friction,
+         last_touch):
     """Copies what is kept of the manifolds, before those of another step are found."""
     for part in range(PARTS):
         last_end[part] = end[part]
@@ -127,6 +129,8 @@ def keep(end, pair, level, points, normal, point, separation, feature, impulse, 
             last_friction[i, 0, c], last_friction[i, 1, c] = friction[i, 0, c], friction[i, 1, c]
         for k in range(points[i]):
             last_feature[i, k], last_impulse[i, k] = feature[i, k], impulse[i, k]
+            for c in range(3):
+                last_point[i, k, c] = point[i, k, c]
         touches(i, points, point, separation, total, last_touch[i])
 
 
@@ -141,10 +145,11 @@ def anchor(first, count, pair, points, point, position, anchors):
 
 
 @kernel
-def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, last_pair, last_level, last_points,
-               last_normal, last_feature, last_impulse, last_friction, last_touch):
-    """Starts each point with the impulse that the point of the same pair and feature, and of nearly the same normal,
-    ended the last step with, and each manifold with its friction. Both stand in the order of their pairs."""
+def carry_over(end, pair, points, normal, point, feature, impulse, friction, last_end, last_pair, last_level,
+               last_points, last_normal, last_point, last_feature, last_impulse, last_friction,
+         last_touch):
+    """Starts each manifold with the impulses and the friction that the one of the same pair, and of nearly the same
+    normal, ended the last step with. Both stand in the order of their pairs."""
     for part in range(PARTS):
         first, last = (end[part - 1], last_end[part - 1]) if part else (0, 0)
         for i in range(first, end[part]):
@@ -160,14 +165,28 @@ def carry_over(end, pair, points, normal, feature, impulse, friction, last_end, 
             while known < last_end[part] and last_pair[known, 0] == a and last_pair[known, 1] == b:
                 if (normal[i, 0] * last_normal[known, 0] + normal[i, 1] * last_normal[known, 1]
                         + normal[i, 2] * last_normal[known, 2]) > SAME_SIDE:
-                    for k in range(points[i]):
-                        for m in range(last_points[known]):
-                            if last_feature[known, m] == feature[i, k]:
-                                impulse[i, k] = last_impulse[known, m]
-                                break
+                    for m in range(last_points[known]):
+                        k = _heir(i, known, m, points, point, feature, last_point, last_feature)
+                        impulse[i, k] += last_impulse[known, m]
                     for c in range(4):
                         friction[i, 0, c], friction[i, 1, c] = last_friction[known, 0, c], last_friction[known, 1, c]
                 known += 1
+
+
+@kernel
+def _heir(i, known, m, points, point, feature, last_point, last_feature):
+    """The point of manifold i that goes on from point m of the one before: of the same name, else the nearest, so that
+    nothing that carried is lost when faces turn a hair and their corners are others."""
+    best, least = 0, 1e300
+    for k in range(points[i]):
+        if feature[i, k] == last_feature[known, m]:
+            return k
+        square = 0.0
+        for c in range(3):
+            square += (point[i, k, c] - last_point[known, m, c]) ** 2
+        if square < least:
+            best, least = k, square
+    return best
 
 
 @kernel

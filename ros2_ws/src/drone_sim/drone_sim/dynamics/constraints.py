@@ -26,8 +26,11 @@ MASS, K01, K02, K03, K12, K13, K23, CENTRE_A, CENTRE_B, RADIUS, MASS_11, MASS_12
 # Then what changes: gap now, impulse of the sub-step and of the step, the speed at which a bounce shall leave; impulses
 # along the tangents and about the normal.
 GAP, IMPULSE, TOTAL, THROWN, PUSHED_ALONG, PUSHED_ACROSS, TWISTED = (
-    LANES * row for row in (74, 78, 82, 86, 90, 91, 92))  # and one row more
-FIELDS = 94
+    LANES * row for row in (74, 78, 82, 86, 90, 91, 92))
+# Whether a unit is in a hurry, 1 or 0; and of those that are not, while their impulses are sought: the seven of a pass
+# before, and the direction in which they go.
+HURRY, BEFORE, DIRECTION = (LANES * row for row in (94, 95, 102))
+FIELDS = 109
 COLOURS = 64  # as many as an integer has bits
 
 
@@ -97,11 +100,12 @@ def group(count, colours, size, place, unit):
 
 @kernel
 def enter(groups, unit, nobody, pair, points, normal, anchor, separation, impulse, friction, inverse_mass, tensor,
-          rough, springy, body, table):
+          rough, springy, hurried, body, table):
     """Writes what is known of each unit into the groups' tables (g, FIELDS * LANES), and its bodies, (g, 2, LANES);
     those of an empty lane are `nobody`. anchor: from the centres of a and b to each point, world; friction: (m, 2, 4)
     the impulse of the last sub-step, world, and its twist; tensor: (n, 6), zero for what does not move; rough, springy:
-    (n,) coefficients of friction (of a pair the geometric mean) and restitution (of a pair the greater)."""
+    (n,) coefficients of friction (of a pair the geometric mean) and restitution (of a pair the greater); hurried: (n,)
+    whether a body is."""
     for g in range(groups):
         t = table[g]
         for k in range(LANES):
@@ -109,12 +113,14 @@ def enter(groups, unit, nobody, pair, points, normal, anchor, separation, impuls
                 body[g, 0, k] = body[g, 1, k] = nobody
                 for row in range(FIELDS):
                     t[row * LANES + k] = 0.0
+                t[HURRY + k] = 1.0
                 continue
             i, half = unit[g, k] >> 1, unit[g, k] & 1
             a, b = pair[i, 0], pair[i, 1]
             body[g, 0, k], body[g, 1, k] = a, b
             t[LIGHT_A + k], t[LIGHT_B + k] = inverse_mass[a], inverse_mass[b]
             t[FRICTION + k], t[BOUNCE + k] = math.sqrt(rough[a] * rough[b]), max(springy[a], springy[b])
+            t[HURRY + k] = 1.0 if hurried[a] or hurried[b] else 0.0
             for c in range(3):
                 t[NORMAL + c * LANES + k] = normal[i, c]
             for c in range(6):

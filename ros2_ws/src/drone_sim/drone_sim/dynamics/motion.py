@@ -4,12 +4,13 @@ Bodies near no other are free: the scheme carries them, asking for forces as oft
 held: forces push them once a sub-step, the solver meets the contacts, and they move.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Integers
+from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.bounce import aim, note, throw
 from drone_sim.dynamics.constraints import COLOURS, colour, enter, group, inverse_inertia, tables, take_back, work_out
@@ -21,6 +22,8 @@ from drone_sim.effects import Setting
 from drone_sim.kernel import kernel
 from drone_sim.program import Program, run_once
 from drone_sim.stage import Stage
+
+CALM = 0.25  # m/s, the fastest point of a body that is in no hurry
 
 
 @kernel
@@ -38,10 +41,15 @@ def sort_out(awake, count, pair, free, held, mark):
 
 
 @kernel
-def ready(held, position, orientation, inertia, start, tensor, moving):
-    """Keeps where the held bodies start, and their inverse inertia in the world."""
+def ready(held, position, orientation, velocity, angular, inertia, radius, start, tensor, moving, hurried):
+    """Keeps where the held bodies start, their inverse inertia in the world, and which are in a hurry."""
     for k in range(1, 1 + held[0]):
         i = held[k]
+        square, turning = 0.0, 0.0
+        for c in range(3):
+            square += velocity[i, c] * velocity[i, c]
+            turning += angular[i, c] * angular[i, c]
+        hurried[i] = math.sqrt(square) + math.sqrt(turning) * radius[i] > CALM
         for c in range(3):
             start[i, c] = position[i, c]
         for c in range(4):
@@ -53,7 +61,7 @@ def ready(held, position, orientation, inertia, start, tensor, moving):
 
 
 @kernel
-def load(held, velocity, angular, moving):
+def take_speeds(held, velocity, angular, moving):
     """Velocities of the held bodies into their rows."""
     for k in range(1, 1 + held[0]):
         i = held[k]
@@ -62,7 +70,7 @@ def load(held, velocity, angular, moving):
 
 
 @kernel
-def store(held, velocity, angular, moving):
+def give_speeds(held, velocity, angular, moving):
     """And back."""
     for k in range(1, 1 + held[0]):
         i = held[k]
@@ -72,16 +80,16 @@ def store(held, velocity, angular, moving):
 
 @kernel
 def meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-         gathered, bouncing, h, second_order):
+         gathered, bouncing, h, passes, second_order):
     """Contacts and motion of the held bodies in a sub-step, once forces have pushed them."""
-    load(held, velocity, angular, moving)
+    take_speeds(held, velocity, angular, moving)
     if bouncing:
         aim(groups, body, table, moving, gathered, h)
     for k in range(1, 1 + held[0]):
         moving[held[k], PRESSED] = 0.0
     warm_start(groups, body, table, moving, gathered)
-    press_apart(groups, body, table, moving, gathered, h)
-    store(held, velocity, angular, moving)
+    press_apart(groups, body, table, moving, gathered, h, passes)
+    give_speeds(held, velocity, angular, moving)
     for k in range(1, 1 + held[0]):
         i = held[k]
         if second_order:
@@ -92,23 +100,23 @@ def meet(held, groups, body, table, position, orientation, velocity, angular, in
         else:
             move(i, position, orientation, velocity, angular, h)
         moved(i, position, orientation, start, moving)
-    relax(groups, body, table, moving, gathered, h)
+    relax(groups, body, table, moving, gathered, h, passes)
     if bouncing:
         throw(groups, body, table, moving, gathered)
-    store(held, velocity, angular, moving)
+    give_speeds(held, velocity, angular, moving)
 
 
 @kernel
-def begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation, inverse_mass,
-          inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body, table):
+def begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation, velocity,
+          angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving, hurried, used, colours, size, unit, body, table):
     """Gets the contacts ready for the sub-steps; returns how many groups they make, -g if there is only room for less."""
-    ready(held, position, orientation, inertia, start, tensor, moving)
+    ready(held, position, orientation, velocity, angular, inertia, radius, start, tensor, moving, hurried)
     colour(count, pair, points, inverse_mass, used, size[0], colours)
     groups = group(count, colours, size[0], size[1], unit)
     if groups > unit.shape[0]:
         return -groups
     enter(groups, unit, position.shape[0], pair, points, normal, anchor, separation, impulse, friction, inverse_mass,
-          tensor, rough, springy, body, table)
+          tensor, rough, springy, hurried, body, table)
     work_out(groups, table)
     return groups
 
@@ -116,22 +124,22 @@ def begin(count, pair, points, normal, anchor, separation, impulse, friction, po
 @kernel
 def semi_implicit_euler(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
                         friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
-                        rough, springy, free, held, mark, start, tensor, moving, gathered, used, colours, size, unit,
-                        body, table, trial, substeps, h):
+                        radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used,
+                        colours, size, unit, body, table, trial, substeps, passes, h):
     """First order: velocities from forces, then positions from the new velocities."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
     groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
-                   table)
+                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                   hurried, used, colours, size, unit, body, table)
     if groups < 0:
         return groups
-    load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(function, address)
+        take_speeds(held, velocity, angular, moving)
         bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + awake[0]):
             push_euler(awake[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
@@ -139,35 +147,36 @@ def semi_implicit_euler(function, address, clock, awake, end, pair, points, norm
             move(free[k], position, orientation, velocity, angular, h)
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-                 gathered, bouncing, h, False)
+                 gathered, bouncing, h, passes, False)
     take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
 @kernel
 def midpoint(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
-             position, orientation, velocity, angular, force, torque, inverse_mass, inertia, rough, springy, free, held,
-             mark, start, tensor, moving, gathered, used, colours, size, unit, body, table, trial, substeps, h):
+             position, orientation, velocity, angular, force, torque, inverse_mass, inertia, radius, rough, springy,
+             free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size, unit, body, table, trial,
+             substeps, passes, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
     groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   inverse_mass, inertia, rough, springy, held, start, tensor, moving, used, colours, size, unit, body,
-                   table)
+                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                   hurried, used, colours, size, unit, body, table)
     if groups < 0:
         return groups
-    load(held, velocity, angular, moving)
     for sub in range(substeps):
         clock[0] = sub * h
         run_once(function, address)
+        take_speeds(held, velocity, angular, moving)
         bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-                 gathered, bouncing, h, True)
+                 gathered, bouncing, h, passes, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 i = free[k]
@@ -220,12 +229,14 @@ class Motion:
     """The stage and its buffers."""
 
     def __init__(self, scheme: str, setting: Setting, acting: Program, manifolds: Callable[[], Manifolds],
-                 substeps: int) -> None:
+                 substeps: int, passes: int) -> None:
         n = setting.model.bodies.count
         self._setting, self._acting, self._manifolds = setting, acting, manifolds
+        self._passes = passes
         self._kernel, self._substeps, self._h = SCHEMES[scheme], substeps, setting.dt / substeps
         self._free, self._held = np.zeros((2, n + 1), np.int64)
-        self._mark, self._used = np.zeros(n, np.bool_), np.zeros((n, 2), np.int64)
+        self._mark, self._hurried, self._used = *np.zeros((2, n), np.bool_), np.zeros((n, 2), np.int64)
+        self._radius: Floats = np.linalg.norm(setting.model.bodies.half, axis=1)
         self._start, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 6, 13))
         self._moving, self._gathered = np.zeros((n + 1, ROW)), np.zeros(GATHERED)  # one row for nobody
         self._moving[:, PRESSED - 1] = 0.5
@@ -255,6 +266,6 @@ class Motion:
         return (functions, self._acting.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
                 m.separation, m.impulse, m.friction, m.total, s.position_w, s.orientation_w, s.velocity_w,
                 s.angular_velocity_w, forces.force_w, forces.torque_w, bodies.inverse_mass, bodies.inertia_b,
-                bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._tensor,
-                self._moving, self._gathered, self._used, self._colours, self._size, *self._tables, self._trial,
-                self._substeps, self._h)
+                self._radius, bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._tensor,
+                self._moving, self._gathered, self._hurried, self._used, self._colours, self._size, *self._tables, self._trial,
+                self._substeps, self._passes, self._h)

@@ -17,7 +17,7 @@ from drone_sim.stage import Stage
 
 QUIET = 0.005  # m/s, the fastest point of a body that rests
 PATIENCE = 0.5  # s for which it has to
-KEPT = ("pair", "level", "points", "normal_w", "feature", "impulse", "friction")  # of a manifold
+KEPT = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction")  # of a manifold
 
 
 @kernel

@@ -2,33 +2,37 @@
 
 Each sub-step solves the contacts as stiff springs before positions move, and once more without the springs after, so
 that what they pushed apart keeps no speed (Catto 2023, Solver2D, 'Soft Step'; the springs are those of Catto 2011, Soft
-Constraints). Detection runs once a step; the gaps follow the bodies.
+Constraints). Detection runs once a step; the gaps follow the bodies. One pass each is enough where bodies fall and
+tumble. What rests does not forgive what is left over: calm contacts have no softness, so that a stack does not sag, and
+are passed over until none changes a speed any more, with the directions of conjugate gradients (Silcowitz, Niebe and
+Erleben 2010, A Nonsmooth Nonlinear Conjugate Gradient Method); once they stand, that is at once.
 
 Groups of units come one after the other, the units of a group at once: they share no moving body. Within a unit the
 points meet by their couplings: the speeds of all are worked out at once, each impulse changes those of the points after
-it, and the bodies get the sum, which is what impulses one by one would do. Loops over lanes are without
-branches, and how many there are is a number that the compiler does not know: it would write each lane out.
+it, and the bodies get the sum, which is what impulses one by one would do. Loops over lanes are without branches, and
+how many there are is a number that the compiler does not know: it would write each lane out.
 """
 
 import math
 
 from drone_sim.dynamics.constraints import (
-    ACROSS, ALONG, ANCHOR, CENTRE_A, CENTRE_B, FIELDS, FRICTION, GAP, IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12,
-    K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22, PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START,
-    TOTAL, TWIST_MASS, TWISTED, turn,
+    ACROSS, ALONG, ANCHOR, BEFORE, CENTRE_A, CENTRE_B, DIRECTION, FIELDS, FRICTION, GAP, HURRY, IMPULSE, INERTIA_A,
+    INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22,
+    PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START, TOTAL, TWISTED, TWIST_MASS, turn,
 )
 from drone_sim.kernel import inlined, kernel
 
-CONTACT_FREQUENCY = 30.0  # Hz; at most a quarter of the sub-steps' rate, above which no spring is stable
+FREQUENCY = 0.125  # of the contacts' springs, of that of the sub-steps; above a quarter no spring is stable
 DAMPING_RATIO = 10.0
 PUSH_OUT_SPEED = 0.8  # m/s, the fastest that overlapping bodies are parted
+ENOUGH = 1e-5  # m/s, the change of a speed with which a calm contact is met
 L2, L3, L4, L5 = 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
 # A body's row: velocity, angular velocity; since detection the way, the rotation as axis times sine and 1 / (1 + cos);
 # whether something presses on it.
 WAY, PRESSED, ROW = 6, 13, 16
 # What is gathered of the bodies of a group: velocities of a and of b, then how they moved.
-VELOCITY_A, VELOCITY_B, WAY_A, WAY_B, PRESSING = (LANES * row for row in (0, 6, 12, 19, 26))
-GATHERED = 27 * LANES
+VELOCITY_A, VELOCITY_B, WAY_A, WAY_B, PRESSING, UNMET = (LANES * row for row in (0, 6, 12, 19, 26, 27))
+GATHERED = 28 * LANES
 
 
 @inlined
@@ -142,6 +146,9 @@ def _follow(t, s, k):
 @inlined
 def _press(t, s, k, rate, scale, loss, per):
     """Meets the normal conditions of a unit, then those of friction."""
+    hurry = t[HURRY + k]
+    loss = loss * hurry
+    scale = 1.0 - (1.0 - scale) * hurry
     x, y, z = t[k], t[LANES + k], t[L2 + k]
     wax, way, waz = s[L3 + k], s[L4 + k], s[L5 + k]
     e = VELOCITY_B + k
@@ -166,6 +173,8 @@ def _press(t, s, k, rate, scale, loss, per):
     n3 = _impulse(t, L3 + k, p3, s3, rate, scale, loss, per)
     q3 = n3 - p3
     t[IMPULSE + k], t[IMPULSE + LANES + k], t[IMPULSE + L2 + k], t[IMPULSE + L3 + k] = n0, n1, n2, n3
+    s[UNMET + k] = (1.0 - hurry) * max(max(abs(q0) - ENOUGH * t[MASS + k], abs(q1) - ENOUGH * t[MASS + LANES + k]),
+                                       max(abs(q2) - ENOUGH * t[MASS + L2 + k], abs(q3) - ENOUGH * t[MASS + L3 + k]))
     a = ANCHOR + k
     q = q0 + q1 + q2 + q3
     px, py, pz = _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3)
@@ -200,32 +209,119 @@ def _press(t, s, k, rate, scale, loss, per):
 
 
 @kernel
-def press_apart(groups, body, table, moving, s, h):
-    """One pass over all contacts with springs, for a sub-step of h s; marks who is pressed on."""
-    frequency = min(CONTACT_FREQUENCY, 0.25 / h)
-    omega = 2.0 * math.pi * frequency
-    a1 = 2.0 * DAMPING_RATIO + h * omega
-    a2 = h * omega * a1
-    rate, scale, loss, per = omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), 1.0 / h
+def _pass(groups, body, table, moving, s, rate, scale, loss, per, again):
+    """Meets all contacts once, or only groups with calm ones (`again`); returns how many of these had to change."""
     lanes = table.shape[1] // FIELDS
+    unmet = 0
     for g in range(groups):
-        gather(body, g, moving, s)
         t = table[g]
+        if again:
+            calm = 0
+            for k in range(LANES):
+                calm += t[HURRY + k] == 0.0
+            if calm == 0:
+                continue
+        gather(body, g, moving, s)
         for k in range(lanes):
             _press(t, s, k, rate, scale, loss, per)
         scatter(body, g, moving, s)
         for k in range(LANES):
-            if s[PRESSING + k] > 0.0:
+            unmet += s[UNMET + k] > 0.0
+    return unmet
+
+
+@kernel
+def _keep(groups, table):
+    """Notes the impulses before a pass."""
+    for g in range(groups):
+        t = table[g]
+        for k in range(L4):
+            t[BEFORE + k] = t[IMPULSE + k]
+        for k in range(L3):
+            t[BEFORE + L4 + k] = t[PUSHED_ALONG + k]
+
+
+@kernel
+def _turn(groups, body, table, moving, s, last):
+    """After a pass: how far the impulses of calm units went, squared, by the mass that they push; and if that is less
+    than `last`, goes on by as much of the way as before. Sets the direction anew."""
+    lanes = table.shape[1] // FIELDS
+    square = 0.0
+    for g in range(groups):
+        t = table[g]
+        for k in range(L4):
+            step = t[IMPULSE + k] - t[BEFORE + k]
+            mass = t[MASS + k]
+            t[BEFORE + k] = step
+            s[k] = step * step / mass if mass > 0.0 else 0.0
+        for k in range(L3):
+            t[BEFORE + L4 + k] = t[PUSHED_ALONG + k] - t[BEFORE + L4 + k]
+        for k in range(LANES):
+            square += (1.0 - t[HURRY + k]) * (s[k] + s[LANES + k] + s[L2 + k] + s[L3 + k])
+    share = square / last if 0.0 < square < last else 0.0
+    for g in range(groups):
+        t = table[g]
+        for row in range(7):
+            for k in range(LANES):
+                way = share * t[DIRECTION + row * LANES + k] * (1.0 - t[HURRY + k])
+                t[DIRECTION + row * LANES + k] = way + t[BEFORE + row * LANES + k]
+                t[BEFORE + row * LANES + k] = way
+        if share > 0.0:
+            gather(body, g, moving, s)
+            for k in range(lanes):
+                q0, q1 = t[BEFORE + k], t[BEFORE + LANES + k]
+                q2, q3 = t[BEFORE + L2 + k], t[BEFORE + L3 + k]
+                u, v, w = t[BEFORE + L4 + k], t[BEFORE + L5 + k], t[BEFORE + 6 * LANES + k]
+                a = ANCHOR + k
+                _apply(t, s, k, q0 + q1 + q2 + q3,
+                       _sum(t, a, q0, q1, q2, q3), _sum(t, a + LANES, q0, q1, q2, q3), _sum(t, a + L2, q0, q1, q2, q3),
+                       _sum(t, a + L3, q0, q1, q2, q3), _sum(t, a + L4, q0, q1, q2, q3),
+                       _sum(t, a + L5, q0, q1, q2, q3), u, v, w)
+            scatter(body, g, moving, s)
+            for k in range(L4):
+                t[IMPULSE + k] += t[BEFORE + k]
+            for k in range(L3):
+                t[PUSHED_ALONG + k] += t[BEFORE + L4 + k]
+    return square
+
+
+@kernel
+def _meet(groups, body, table, moving, s, rate, scale, loss, per, passes):
+    """One pass over all contacts, and up to `passes` over the calm ones."""
+    if passes == 1 or _pass(groups, body, table, moving, s, rate, scale, loss, per, False) == 0:
+        if passes == 1:
+            _pass(groups, body, table, moving, s, rate, scale, loss, per, False)
+        return
+    last = 0.0
+    for _ in range(1, passes):
+        _keep(groups, table)
+        unmet = _pass(groups, body, table, moving, s, rate, scale, loss, per, True)
+        if unmet == 0:
+            break
+        last = _turn(groups, body, table, moving, s, last)
+    else:
+        _pass(groups, body, table, moving, s, rate, scale, loss, per, True)  # so that the last word is a valid one
+
+
+@kernel
+def press_apart(groups, body, table, moving, s, h, passes):
+    """Passes over all contacts with springs, for a sub-step of h s; marks who is pressed on."""
+    omega = 2.0 * math.pi * FREQUENCY / h
+    a1 = 2.0 * DAMPING_RATIO + h * omega
+    a2 = h * omega * a1
+    _meet(groups, body, table, moving, s, omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), 1.0 / h, passes)
+    for g in range(groups):
+        t = table[g]
+        for k in range(LANES):
+            if t[IMPULSE + k] + t[IMPULSE + LANES + k] + t[IMPULSE + L2 + k] + t[IMPULSE + L3 + k] > 0.0:
                 moving[body[g, 0, k], PRESSED] = moving[body[g, 1, k], PRESSED] = 1.0
 
 
 @kernel
-def relax(groups, body, table, moving, s, h):
-    """The last pass of a sub-step of h s, without springs, once bodies have moved; adds up the impulses."""
-    per = 1.0 / h
+def relax(groups, body, table, moving, s, h, passes):
+    """The last passes of a sub-step of h s, without springs, once bodies have moved; adds up the impulses."""
     lanes = table.shape[1] // FIELDS
     for g in range(groups):
-        gather(body, g, moving, s)
         for k in range(LANES):
             a, b = body[g, 0, k], body[g, 1, k]
             for c in range(7):
@@ -233,8 +329,8 @@ def relax(groups, body, table, moving, s, h):
         t = table[g]
         for k in range(lanes):
             _follow(t, s, k)
-        for k in range(lanes):
-            _press(t, s, k, 0.0, 1.0, 0.0, per)
+    _meet(groups, body, table, moving, s, 0.0, 1.0, 0.0, 1.0 / h, passes)
+    for g in range(groups):
+        t = table[g]
         for k in range(L4):
             t[TOTAL + k] += t[IMPULSE + k]
-        scatter(body, g, moving, s)
