@@ -7,15 +7,16 @@ start and its acceleration a (Torricelli): so a bounce neither gains nor loses w
 import math
 
 from drone_sim.dynamics.constraints import (
-    ANCHOR, BOUNCE, FIELDS, GAP, IMPULSE, INERTIA_A, INERTIA_B, LANES, LIGHT_A, LIGHT_B, MASS, POINTS, THROWN, TOTAL, turn,
+    ANCHOR, BOUNCE, FIELDS, GAP, IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, POINTS, THROWN, TOTAL, turn,
 )
 from drone_sim.dynamics.solver import L2, L3, L4, L5, VELOCITY_B, gather, speed_of
 from drone_sim.kernel import inlined, kernel
 
 BOUNCE_SPEED = 0.3  # m/s, below which nothing bounces
-PASSES = 40  # at most: the points of a body share it; four corners need about ten
+PASSES = 20  # at most: units may share a body
+ROUNDS = 100  # at most: the points of a unit do; four corners need about thirty
 LEAST = 1e-300  # N s, of a point that was met
-ENOUGH = 0.01  # of BOUNCE_SPEED: how near to its speed a point has to come
+ENOUGH = 1e-6  # m/s: how near to its speed a point has to come
 
 
 @inlined
@@ -71,18 +72,19 @@ def aim(groups, body, table, moving, s, h):
 
 
 @kernel
-def throw(groups, body, table, moving, s):
+def throw(groups, body, table, moving):
     """After the contacts are solved: gives the points that met the speed that they shall leave at."""
     for _ in range(PASSES):
         unmet = 0.0
         for g in range(groups):
             t = table[g]
-            for k in range(LANES):
-                for p in range(POINTS):
-                    at = p * LANES + k
-                    if t[THROWN + at] > 0.0 and t[IMPULSE + at] > 0.0:
-                        unmet = max(unmet, _throw_one(t, k, p, body[g, 0, k], body[g, 1, k], moving))
-        if unmet < ENOUGH * BOUNCE_SPEED:
+            thrown = 0.0
+            for at in range(POINTS * LANES):
+                thrown += max(t[THROWN + at], 0.0)
+            if thrown > 0.0:
+                for k in range(LANES):
+                    unmet = max(unmet, _throw_unit(t, k, body[g, 0, k], body[g, 1, k], moving))
+        if unmet < ENOUGH:
             break
     for g in range(groups):
         for at in range(POINTS * LANES):
@@ -91,26 +93,66 @@ def throw(groups, body, table, moving, s):
 
 
 @kernel
-def _throw_one(t, k, p, a, b, moving):
-    """Gives point p of lane k its speed; returns how much of it was missing."""
+def _more(t, at, speed):
+    """The impulse that a point of this speed still lacks; none if nothing pressed on it."""
+    pressed = t[IMPULSE + at]
+    if t[THROWN + at] <= 0.0 or pressed <= 0.0:
+        return 0.0
+    q = max(t[MASS + at] * (t[THROWN + at] - speed), LEAST - pressed)
+    t[IMPULSE + at] = pressed + q
+    t[TOTAL + at] += q
+    return q
+
+
+@kernel
+def _throw_unit(t, k, a, b, moving):
+    """Gives the points of lane k their speeds; returns how much a speed changed at most."""
     x, y, z = t[k], t[LANES + k], t[L2 + k]
     u, v = moving[a], moving[b]
     apart = x * (v[0] - u[0]) + y * (v[1] - u[1]) + z * (v[2] - u[2])
-    speed = speed_of(t, k, p, apart, y * u[5] - z * u[4], z * u[3] - x * u[5], x * u[4] - y * u[3],
-                     y * v[5] - z * v[4], z * v[3] - x * v[5], x * v[4] - y * v[3])
-    at, r = p * LANES + k, ANCHOR + 6 * LANES * p + k
-    missing = t[THROWN + at] - speed
-    wanted = max(t[IMPULSE + at] + t[MASS + at] * missing, LEAST)
-    q = wanted - t[IMPULSE + at]
-    t[IMPULSE + at] = wanted
-    t[TOTAL + at] += q
+    ax, ay, az = y * u[5] - z * u[4], z * u[3] - x * u[5], x * u[4] - y * u[3]
+    bx, by, bz = y * v[5] - z * v[4], z * v[3] - x * v[5], x * v[4] - y * v[3]
+    s0, s1 = speed_of(t, k, 0, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 1, apart, ax, ay, az, bx, by, bz)
+    s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
+    k01, k02, k03, k12, k13, k23 = t[K01 + k], t[K02 + k], t[K03 + k], t[K12 + k], t[K13 + k], t[K23 + k]
+    per0, per1, per2, per3 = _per(t[MASS + k]), _per(t[MASS + LANES + k]), _per(t[MASS + L2 + k]), _per(t[MASS + L3 + k])
+    q0, q1, q2, q3 = 0.0, 0.0, 0.0, 0.0
+    most = 0.0
+    for _ in range(ROUNDS):
+        q = _more(t, k, s0)
+        q0, s0, s1, s2, s3 = q0 + q, s0 + per0 * q, s1 + k01 * q, s2 + k02 * q, s3 + k03 * q
+        change = abs(q * per0)
+        q = _more(t, LANES + k, s1)
+        q1, s0, s1, s2, s3 = q1 + q, s0 + k01 * q, s1 + per1 * q, s2 + k12 * q, s3 + k13 * q
+        change = max(change, abs(q * per1))
+        q = _more(t, L2 + k, s2)
+        q2, s0, s1, s2, s3 = q2 + q, s0 + k02 * q, s1 + k12 * q, s2 + per2 * q, s3 + k23 * q
+        change = max(change, abs(q * per2))
+        q = _more(t, L3 + k, s3)
+        q3, s0, s1, s2, s3 = q3 + q, s0 + k03 * q, s1 + k13 * q, s2 + k23 * q, s3 + per3 * q
+        change = max(change, abs(q * per3))
+        most = max(most, change)
+        if change < ENOUGH:
+            break
+    r = ANCHOR + k
+    q = q0 + q1 + q2 + q3
+    px, py, pz = _sum(t, r, q0, q1, q2, q3), _sum(t, r + LANES, q0, q1, q2, q3), _sum(t, r + L2, q0, q1, q2, q3)
+    ex, ey, ez = turn(t, INERTIA_A, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
+    px, py, pz = _sum(t, r + L3, q0, q1, q2, q3), _sum(t, r + L4, q0, q1, q2, q3), _sum(t, r + L5, q0, q1, q2, q3)
+    fx, fy, fz = turn(t, INERTIA_B, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
     m, n = q * t[LIGHT_A + k], q * t[LIGHT_B + k]
-    ax, ay, az = turn(t, INERTIA_A, k, t[r + LANES] * z - t[r + L2] * y, t[r + L2] * x - t[r] * z,
-                      t[r] * y - t[r + LANES] * x)
-    bx, by, bz = turn(t, INERTIA_B, k, t[r + L4] * z - t[r + L5] * y, t[r + L5] * x - t[r + L3] * z,
-                      t[r + L3] * y - t[r + L4] * x)
     u[0], u[1], u[2] = u[0] - m * x, u[1] - m * y, u[2] - m * z
-    u[3], u[4], u[5] = u[3] - q * ax, u[4] - q * ay, u[5] - q * az
+    u[3], u[4], u[5] = u[3] - ex, u[4] - ey, u[5] - ez
     v[0], v[1], v[2] = v[0] + n * x, v[1] + n * y, v[2] + n * z
-    v[3], v[4], v[5] = v[3] + q * bx, v[4] + q * by, v[5] + q * bz
-    return abs(missing)
+    v[3], v[4], v[5] = v[3] + fx, v[4] + fy, v[5] + fz
+    return most
+
+
+@inlined
+def _per(mass):
+    return 1.0 / mass if mass > 0.0 else 0.0
+
+
+@inlined
+def _sum(t, at, q0, q1, q2, q3):
+    return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]

@@ -102,7 +102,7 @@ def meet(held, groups, body, table, position, orientation, velocity, angular, in
         moved(i, position, orientation, start, moving)
     relax(groups, body, table, moving, gathered, h, passes)
     if bouncing:
-        throw(groups, body, table, moving, gathered)
+        throw(groups, body, table, moving)
     give_speeds(held, velocity, angular, moving)
 
 

@@ -263,7 +263,7 @@ def _turn(groups, body, table, moving, s, last):
         t = table[g]
         for row in range(7):
             for k in range(LANES):
-                way = share * t[DIRECTION + row * LANES + k] * (1.0 - t[HURRY + k])
+                way = share * t[DIRECTION + row * LANES + k] * (1.0 - t[HURRY + k]) if share > 0.0 else 0.0
                 t[DIRECTION + row * LANES + k] = way + t[BEFORE + row * LANES + k]
                 t[BEFORE + row * LANES + k] = way
         if share > 0.0:
