@@ -21,7 +21,7 @@ def _cache_folder() -> Path:
     digest = hashlib.sha256(numba.__version__.encode())
     for path in sorted(_package.rglob("*.py")):
         text = path.read_bytes()
-        if b"@kernel" in text:
+        if b"@kernel" in text or b"@inlined" in text:
             digest.update(text)
     return _package / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
 

@@ -15,7 +15,7 @@ import numpy as np
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.rotation import from_rpy, rotate_all
-from drone_sim.scene import MeetingLevel, Object, Scene, SceneError
+from drone_sim.scene import Flight, MeetingLevel, Object, Scene, SceneError
 from drone_sim.strict import Pose
 
 SPHERE, OBB, OCTREE, TRIANGLE = range(4)  # collision levels, as drone_interfaces/CollisionEvent numbers them
@@ -73,6 +73,8 @@ class Drones:
     max_speed: Floats  # (d,) m/s
     max_acceleration: Floats  # (d,) m/s^2
     max_yaw_rate: Floats  # (d,) rad/s
+    quadrotor: Booleans  # (d,) of that flight model, else of 'direct'
+    flights: tuple[Flight, ...]  # (d,) as the scene says it
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,8 @@ def _drones(objects: dict[str, Object], body_names: list[str], names: list[str])
         max_speed=np.array([flight.max_speed for flight in flights]),
         max_acceleration=np.array([flight.max_acceleration for flight in flights]),
         max_yaw_rate=np.array([flight.max_yaw_rate for flight in flights]),
+        quadrotor=np.array([flight.model == "quadrotor" for flight in flights], bool),
+        flights=tuple(flights),
     )
 
 

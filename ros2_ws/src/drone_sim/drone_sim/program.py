@@ -124,7 +124,9 @@ class Program:
 
     def run(self, steps: int, first: int = 0, last: int | None = None) -> None:
         """Runs this many times from stage `first` to before `last`, attending to what stops it."""
-        function, row = self.function[:last], self.row[:last]
+        function, row = self.function, self.row
+        if last is not None:
+            function, row = function[:last], row[:last]
         while steps:
             done, at, code = run(function, row, first, steps)
             steps -= done

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drone_sim.kernel import kernel
+from drone_sim.kernel import inlined, kernel
 
 Quaternion = tuple[float, float, float, float]
+LITTLE = 1.0 / 16.0  # square of half an angle, in rad, up to which short series have all digits
 
 
 def from_rpy(roll: float, pitch: float, yaw: float) -> Quaternion:
@@ -19,7 +20,7 @@ def from_rpy(roll: float, pitch: float, yaw: float) -> Quaternion:
             cr * cp * cy + sr * sp * sy)
 
 
-@kernel
+@inlined
 def matrix(x, y, z, w):
     """Rows of the rotation matrix, nine numbers: m00 m01 m02 m10 ... m22; columns are the body's axes in the world."""
     return (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w),
@@ -27,7 +28,7 @@ def matrix(x, y, z, w):
             2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
 
 
-@kernel
+@inlined
 def rotate(x, y, z, w, vx, vy, vz):
     """The vector v, given in the body, in the world."""
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
@@ -40,11 +41,25 @@ def turned(x, y, z, w, wx, wy, wz, h):
 
     Exponential map: q' = exp(h w / 2) q.
     """
-    speed = math.sqrt(wx * wx + wy * wy + wz * wz)
-    half = 0.5 * h * speed
-    # sin(half) / speed without dividing by zero
-    s = 0.5 * h * (1.0 - half * half / 6.0) if half < 1e-4 else math.sin(half) / speed
-    c = math.cos(half)
+    square = 0.25 * h * h * (wx * wx + wy * wy + wz * wz)
+    if square <= LITTLE:
+        return turned_little(x, y, z, w, wx, wy, wz, h)
+    half = math.sqrt(square)
+    return _turned(x, y, z, w, wx, wy, wz, 0.5 * h * math.sin(half) / half, math.cos(half))
+
+
+@inlined
+def turned_little(x, y, z, w, wx, wy, wz, h):
+    """The same where the square of half the angle is at most LITTLE, by series, without branches."""
+    u = 0.25 * h * h * (wx * wx + wy * wy + wz * wz)
+    s = 1.0 - u * (1 / 6 - u * (1 / 120 - u * (1 / 5040 - u * (1 / 362880 - u * (1 / 39916800)))))
+    c = 1.0 - u * (1 / 2 - u * (1 / 24 - u * (1 / 720 - u * (1 / 40320 - u * (1 / 3628800 - u * (1 / 479001600))))))
+    return _turned(x, y, z, w, wx, wy, wz, 0.5 * h * s, c)
+
+
+@inlined
+def _turned(x, y, z, w, wx, wy, wz, s, c):
+    """The quaternion (s w, c) q, made a unit one again."""
     ax, ay, az = s * wx, s * wy, s * wz
     nx = c * x + ax * w + ay * z - az * y
     ny = c * y + ay * w + az * x - ax * z

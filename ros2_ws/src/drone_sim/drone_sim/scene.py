@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PositiveFloat, ValidationError, model_validator
 
+from drone_sim.airframe import Airframe
 from drone_sim.assets import asset_path
 from drone_sim.look import Camera, Light, Render
 from drone_sim.scene_text import as_json
@@ -71,11 +72,18 @@ class Dynamics(Strict):
 class Flight(Strict):
     """Makes a body a drone: the topic that commands it, and what its rotors can do."""
 
-    model: Literal["direct"] = "direct"
+    model: Literal["direct", "quadrotor"] = "direct"
     cmd_vel: Topic = "cmd_vel"
     max_speed: PositiveFloat = 8.0  # m/s
     max_acceleration: PositiveFloat = 8.0  # m/s^2, beyond what carries the weight
     max_yaw_rate: PositiveFloat = 2.5  # rad/s
+    quadrotor: Airframe | None = None  # of the flight model of that name: what is not the published one's
+
+    @model_validator(mode="after")
+    def _airframe(self) -> Self:
+        if self.quadrotor and self.model != "quadrotor":
+            raise ValueError("'quadrotor' needs 'model: quadrotor'")
+        return self
 
 
 class Rotor(Strict):

@@ -8,17 +8,17 @@
 
 import math
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from drone_sim import effects, model
+from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import Event, Events
 from drone_sim.dynamics.motion import Motion
 from drone_sim.dynamics.sleep import Sleep
-from drone_sim.effects.gravity import Parameters as Gravity
-from drone_sim.flight import direct, rotors
+from drone_sim.flight import pilot, rotors
 from drone_sim.kernel import kernel
 from drone_sim.program import Program
 from drone_sim.scene import Scene
@@ -49,6 +49,7 @@ def tick(step):
 
 
 NOBODY = np.empty(0, np.int64)
+LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
 
@@ -61,7 +62,9 @@ class World:
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
-        self._drone_of = {self.model.bodies.names[i]: d for d, i in enumerate(self.model.drones.body)}
+        s, names = self.state, self.model.bodies.names
+        self._inputs: dict[str, tuple[int, Any, Any]] = {  # by drone; a number is written fastest through memoryviews
+            names[i]: (i, s.command_b[d].data, s.silence[d : d + 1].data) for d, i in enumerate(self.model.drones.body)}
         self._build()
         self._start = self.state.copy()
 
@@ -72,37 +75,38 @@ class World:
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
         forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
                                               np.zeros(len(m.rotors.names)), np.zeros(1))
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active))
-        gravity = active.get("gravity")
-        weight = gravity.acceleration if isinstance(gravity, Gravity) else 0.0
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active), self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep else None
         self._events = Events(lambda: self.detection.manifolds,
                               lambda: self.sleep.touching if self.sleep else NOBODY)
 
         built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
         if flying:
             air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", direct.build(setting, weight)))
+            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
         self.acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
                                *(stage for _, stages in built for stage in stages.force)])
+        self.steering = Program([stage for _, stages in built for stage in stages.substep])
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
-        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, lambda: self.detection.manifolds,
-                             self.scene.dynamics.substeps, self.scene.dynamics.passes)
+        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
+                             lambda: self.detection.manifolds, self.scene.dynamics.passes)
+        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and not self._alone else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []
-        if flying:
-            self._after += [direct.build_landing(setting, lambda: self.detection.manifolds)]
+        if flying and not self._alone:
+            self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
         if spinning:
-            self._after += [rotors.build(setting)]
+            self._after += rotors.build(setting)
         self._after += [Stage("clock", tick, (s.step,))]
         self._assemble()
 
     def _assemble(self) -> None:
         """Puts the stages together."""
-        self.program = Program([*self._before, *self.detection.stages, *([self.sleep.waking] if self.sleep else []),
-                                self.motion.stage, *self._after])
+        before, after = ((), ()) if self._alone else (self.detection.stages, (self.detection.catching,))
+        self.program = Program([*self._before, *before, *([self.sleep.waking] if self.sleep else []),
+                                self.motion.stage, *after, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
@@ -121,15 +125,19 @@ class World:
 
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
-        if not all(map(math.isfinite, command)):
-            raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
-        if drone not in self._drone_of:
-            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._drone_of) or 'none'}")
-        d = self._drone_of[drone]
-        self.state.command_b[d] = np.clip(command, -1e6, 1e6)  # beyond any speed, and squares stay finite
-        self.state.silence[d] = -1  # which the next step makes 0
-        if self.sleep and any(command) and self.detection.sleeping[self.model.drones.body[d]]:
-            self.sleep.wake(self.model.drones.body[d : d + 1])
+        x, y, z, turn = command
+        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= turn <= LIMIT):
+            if not all(map(math.isfinite, command)):
+                raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
+            x, y, z, turn = (min(max(part, -LIMIT), LIMIT) for part in command)
+        inputs = self._inputs.get(drone)
+        if inputs is None:
+            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
+        body, told, silence = inputs
+        told[0], told[1], told[2], told[3] = x, y, z, turn
+        silence[0] = -1  # which the next step makes 0
+        if self.sleep and any(command) and self.detection.sleeping[body]:
+            self.sleep.wake(np.array([body]))
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
         """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
@@ -167,6 +175,7 @@ class World:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
         total = len(self.acting.stages) + len(self.program.stages)
         self.acting.compile(lambda done, _, name: report(done, total, name))
+        self.steering.compile()
         self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
         self.detection.compile()
         self._ready = True

@@ -142,6 +142,11 @@ class Detection:
                 Stage("impacts", any_ahead, (self._count,), self._find_ahead),
                 Stage("warm start", carry_over, self._warm_arguments))
 
+    @property
+    def catching(self) -> Stage:
+        """The stage after motion: no fast body is left where it could not have got."""
+        return Stage("catch", any_ahead, (self._count,), self._catch)
+
     def belong_to(self, program: Program) -> None:
         """Tells which program to bind anew when arrays become others."""
         self._program = program
@@ -229,6 +234,8 @@ class Detection:
         if self._meshes:
             self.manifolds = self._meshes.find(self.manifolds, self._now, *pairs)
         self._look_ahead(pairs)
+        self._impacts.keep(self._state)
+        self._impacts.catch(self._state, nothing, nothing, nothing, self._quick, self._meshes)
         self.clear()
 
     def _place_all(self) -> None:
@@ -263,9 +270,16 @@ class Detection:
     def _find_ahead(self, code: int) -> None:
         """Appends the contacts that fast bodies will have within the step."""
         before, pairs = self.manifolds, self._pairs()
+        self._impacts.keep(self._state)
         self._look_ahead(_only(self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
         if self.manifolds is not before:
             self.bind()
+
+    def _catch(self, code: int) -> None:
+        """Stops fast bodies that got through something, whatever the solver made of the contacts ahead."""
+        pairs = self._pairs()
+        chosen = self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE)
+        self._impacts.catch(self._state, *(pairs[i][chosen] for i in (0, 1, 3)), self._quick, self._meshes)
 
     def _look_ahead(self, pairs: Pairs) -> None:
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
+from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision import octree, sweep
 from drone_sim.collision.advancement import NONE
 from drone_sim.collision.manifold import Manifolds
@@ -50,6 +50,20 @@ def bring_back(first, count, pair, points, normal, point, anchor, separation, bo
             pair[i, side] = body[pair[i, side]]
 
 
+@kernel
+def turn_between(q, p):
+    """The rotation vector, rad in the world, that takes orientation q to p."""
+    x, y, z, w = (p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1],
+                  p[1] * q[3] - p[3] * q[1] - p[2] * q[0] + p[0] * q[2],
+                  p[2] * q[3] - p[3] * q[2] - p[0] * q[1] + p[1] * q[0],
+                  p[3] * q[3] + p[0] * q[0] + p[1] * q[1] + p[2] * q[2])
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    sine = np.sqrt(x * x + y * y + z * z)
+    factor = 2.0 * np.arctan2(sine, w) / sine if sine > 1e-12 else 2.0
+    return factor * x, factor * y, factor * z
+
+
 class Impacts:
     """Finds when fast bodies meet, with its buffers."""
 
@@ -62,12 +76,8 @@ class Impacts:
               meshes: Meshes | None) -> tuple[Placed, Integers]:
         """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2
         and 3 of the second, and so on."""
-        time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
-        box, link, corners, *_ = meshes.tree if meshes else octree.EMPTY
-        roots = meshes.roots if meshes else np.full(len(self._half), -1)
-        sweep.sweep_pairs(pair_a, pair_b, state.position_w, state.orientation_w, state.velocity_w,
-                          state.angular_velocity_w, self._half, level, roots, box, link, corners, self._dt, time,
-                          outcome, *self._room)
+        time, outcome = self._times(pair_a, pair_b, level, state.position_w, state.orientation_w, state.velocity_w,
+                                    state.angular_velocity_w, self._half, meshes)
         meeting = np.flatnonzero((outcome != NONE) & (time > 0.0))
         body = np.stack([pair_a[meeting], pair_b[meeting]], axis=1).ravel()
         position, orientation = np.empty((len(body), 3)), np.empty((len(body), 4))
@@ -76,6 +86,49 @@ class Impacts:
         axes = np.empty((len(body), 3, 3))
         axes_of(orientation, axes)
         return Placed(body, position, orientation, axes, self._half[body]), meeting
+
+    def keep(self, state: State) -> None:
+        """Notes where all bodies are."""
+        self._before = state.position_w.copy(), state.orientation_w.copy()
+
+    def catch(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers, quick: Booleans,
+              meshes: Meshes | None) -> None:
+        """Takes quick bodies of the pairs (k,) back to where they met, if the way from where they were noted leads
+        through something: what is left of the step they wait. Of two bodies that meet both are taken back."""
+        position, orientation = self._before
+        way = (state.position_w - position) / self._dt
+        spin = np.zeros_like(way)
+        for i in np.unique(np.concatenate([pair_a, pair_b])):
+            spin[i] = np.array(turn_between(orientation[i], state.orientation_w[i])) / self._dt
+        moved = position, orientation, way, spin
+        time, outcome = self._times(pair_a, pair_b, level, *moved, self._half, meshes)
+        first = np.ones(len(position))
+        # What touched before has to keep its middle on the side where it was.
+        close = np.flatnonzero((outcome != NONE) & (time <= 0.0))
+        if len(close):
+            middles = np.where(quick[:, None], 0.0, self._half)
+            _, through = self._times(pair_a[close], pair_b[close], level[close], *moved, middles, meshes, quick)
+            outcome[close] = through
+        hit = outcome != NONE
+        for body in (pair_a[hit], pair_b[hit]):
+            np.minimum.at(first, body, time[hit])
+        caught = np.flatnonzero((first < 1.0) & quick)
+        place, turn = np.empty((len(caught), 3)), np.empty((len(caught), 4))
+        advance(caught, first[caught] * self._dt, position, orientation, way, spin, place, turn)
+        state.position_w[caught], state.orientation_w[caught] = place, turn
+
+    def _times(self, pair_a: Integers, pair_b: Integers, level: Integers, position: Floats, orientation: Floats,
+               velocity: Floats, spin: Floats, half: Floats, meshes: Meshes | None,
+               boxes: Booleans | None = None) -> tuple[Floats, Integers]:
+        """When pairs (k,) that move so meet, as a part of the step, and whether; boxes: (n,) those that are no meshes."""
+        time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
+        box, link, corners, *_ = meshes.tree if meshes else octree.EMPTY
+        roots = meshes.roots if meshes else np.full(len(half), -1)
+        if boxes is not None:
+            roots = np.where(boxes, -1, roots)
+        sweep.sweep_pairs(pair_a, pair_b, position, orientation, velocity, spin, half, level, roots, box, link,
+                          corners, self._dt, time, outcome, *self._room)
+        return time, outcome
 
     def bring_back(self, m: Manifolds, first: int, placed: Placed, state: State) -> None:
         """Turns the contacts of the placed bodies, from number `first` on, into contacts ahead of where they are."""

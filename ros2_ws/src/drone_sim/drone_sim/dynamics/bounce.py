@@ -15,7 +15,7 @@ from drone_sim.kernel import inlined, kernel
 BOUNCE_SPEED = 0.3  # m/s, below which nothing bounces
 PASSES = 20  # at most: units may share a body
 ROUNDS = 100  # at most: the points of a unit do; four corners need about thirty
-LEAST = 1e-300  # N s, of a point that was met
+NEAR = 0.05  # of the way in a sub-step: a gap that counts as none, so that a face that falls flat bounces flat
 ENOUGH = 1e-6  # m/s: how near to its speed a point has to come
 
 
@@ -72,7 +72,7 @@ def aim(groups, body, table, moving, s, h):
 
 
 @kernel
-def throw(groups, body, table, moving):
+def throw(groups, body, table, moving, h):
     """After the contacts are solved: gives the points that met the speed that they shall leave at."""
     for _ in range(PASSES):
         unmet = 0.0
@@ -83,29 +83,29 @@ def throw(groups, body, table, moving):
                 thrown += max(t[THROWN + at], 0.0)
             if thrown > 0.0:
                 for k in range(LANES):
-                    unmet = max(unmet, _throw_unit(t, k, body[g, 0, k], body[g, 1, k], moving))
+                    unmet = max(unmet, _throw_unit(t, k, body[g, 0, k], body[g, 1, k], moving, h))
         if unmet < ENOUGH:
             break
     for g in range(groups):
         for at in range(POINTS * LANES):
-            if table[g, THROWN + at] > 0.0 and table[g, IMPULSE + at] > 0.0:
+            if table[g, THROWN + at] > 0.0:
                 table[g, IMPULSE + at] = 0.0  # it has left
 
 
 @kernel
-def _more(t, at, speed):
-    """The impulse that a point of this speed still lacks; none if nothing pressed on it."""
+def _more(t, at, speed, h):
+    """The impulse that a point of this speed still lacks; none if it has not met."""
     pressed = t[IMPULSE + at]
-    if t[THROWN + at] <= 0.0 or pressed <= 0.0:
+    if t[THROWN + at] <= 0.0 or (pressed <= 0.0 and t[GAP + at] > NEAR * h * t[THROWN + at]):
         return 0.0
-    q = max(t[MASS + at] * (t[THROWN + at] - speed), LEAST - pressed)
+    q = max(t[MASS + at] * (t[THROWN + at] - speed), -pressed)
     t[IMPULSE + at] = pressed + q
     t[TOTAL + at] += q
     return q
 
 
 @kernel
-def _throw_unit(t, k, a, b, moving):
+def _throw_unit(t, k, a, b, moving, h):
     """Gives the points of lane k their speeds; returns how much a speed changed at most."""
     x, y, z = t[k], t[LANES + k], t[L2 + k]
     u, v = moving[a], moving[b]
@@ -119,16 +119,16 @@ def _throw_unit(t, k, a, b, moving):
     q0, q1, q2, q3 = 0.0, 0.0, 0.0, 0.0
     most = 0.0
     for _ in range(ROUNDS):
-        q = _more(t, k, s0)
+        q = _more(t, k, s0, h)
         q0, s0, s1, s2, s3 = q0 + q, s0 + per0 * q, s1 + k01 * q, s2 + k02 * q, s3 + k03 * q
         change = abs(q * per0)
-        q = _more(t, LANES + k, s1)
+        q = _more(t, LANES + k, s1, h)
         q1, s0, s1, s2, s3 = q1 + q, s0 + k01 * q, s1 + per1 * q, s2 + k12 * q, s3 + k13 * q
         change = max(change, abs(q * per1))
-        q = _more(t, L2 + k, s2)
+        q = _more(t, L2 + k, s2, h)
         q2, s0, s1, s2, s3 = q2 + q, s0 + k02 * q, s1 + k12 * q, s2 + per2 * q, s3 + k23 * q
         change = max(change, abs(q * per2))
-        q = _more(t, L3 + k, s3)
+        q = _more(t, L3 + k, s3, h)
         q3, s0, s1, s2, s3 = q3 + q, s0 + k03 * q, s1 + k13 * q, s2 + k23 * q, s3 + per3 * q
         change = max(change, abs(q * per3))
         most = max(most, change)

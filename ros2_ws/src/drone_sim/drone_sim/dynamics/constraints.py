@@ -273,4 +273,4 @@ def take_back(groups, unit, points, table, impulse, friction, total):
 def tables(groups: int) -> tuple[np.ndarray, ...]:
     """Room for so many groups: unit, body, table."""
     return (np.empty((groups, LANES), np.int64), np.empty((groups, 2, LANES), np.int64),
-            np.empty((groups, FIELDS * LANES)))
+            np.zeros((groups, FIELDS * LANES)))  # also where no contact is: what lies there is reckoned with

@@ -2,7 +2,7 @@
 
 import math
 
-from drone_sim.kernel import kernel
+from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix, rotate, turned
 
 NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
@@ -10,7 +10,7 @@ CONVERGED = 1e-30  # of the square of an angular velocity
 SLOW = 1e-4  # square of the angle turned in a sub-step
 
 
-@kernel
+@inlined
 def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, both of the world; m: rotation matrix, i: principal moments.
 
@@ -28,7 +28,7 @@ def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     return (m[0] * wx + m[1] * wy + m[2] * wz, m[3] * wx + m[4] * wy + m[5] * wz, m[6] * wx + m[7] * wy + m[8] * wz)
 
 
-@kernel
+@inlined
 def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
     """Solves (I + [s] I - [I s]) d = f, the Jacobian of I w + h w x I w with s = h w."""
     j00, j01, j02 = ix, sz * (iz - iy), sy * (iz - iy)
@@ -46,36 +46,63 @@ def spun_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     """Angular velocity after h s of torque t, all in the body frame, by the implicit midpoint rule: energy and the
     length of the angular momentum stay as they are without torque (Austin, Krishnaprasad and Wang 1993, Almost Poisson
     Integration of Rigid Body Systems)."""
+    ax, ay, az = wx + h / ix * tx, wy + h / iy * ty, wz + h / iz * tz
+    if slow(wx, wy, wz, h):
+        return spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h)
+    for _ in range(NEWTON):
+        ax, ay, az, found = nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az)
+        if found:
+            break
+    return ax, ay, az
+
+
+@inlined
+def slow(wx, wy, wz, h):
+    """Whether fixed-point iterations, each of which gains a factor of h w, find the midpoint."""
+    return (wx * wx + wy * wy + wz * wz) * h * h < SLOW
+
+
+@inlined
+def spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """spun_midpoint where that is slow."""
     ux, uy, uz = h / ix, h / iy, h / iz
     gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
     cx, cy, cz = wx + ux * tx, wy + uy * ty, wz + uz * tz
     ax, ay, az = cx, cy, cz
-    if (wx * wx + wy * wy + wz * wz) * h * h < SLOW:  # each iteration gains a factor of h w
-        for _ in range(4):
-            mx, my, mz = ax + wx, ay + wy, az + wz
-            ax, ay, az = cx - gx * my * mz, cy - gy * mz * mx, cz - gz * mx * my
-        return ax, ay, az
-    limit = CONVERGED * (wx * wx + wy * wy + wz * wz)
-    for _ in range(NEWTON):
+    for _ in range(4):
         mx, my, mz = ax + wx, ay + wy, az + wz
-        fx, fy, fz = ax - cx + gx * my * mz, ay - cy + gy * mz * mx, az - cz + gz * mx * my
-        if fx * fx + fy * fy + fz * fz < limit:
-            break
-        dx, dy, dz = _newton(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
-        ax, ay, az = ax - dx, ay - dy, az - dz
+        ax, ay, az = cx - gx * my * mz, cy - gy * mz * mx, cz - gz * mx * my
     return ax, ay, az
+
+
+@inlined
+def nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az):
+    """A Newton step from a towards what spun_midpoint looks for; where a is that already, a and True."""
+    ux, uy, uz = h / ix, h / iy, h / iz
+    gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
+    mx, my, mz = ax + wx, ay + wy, az + wz
+    fx, fy, fz = (ax - (wx + ux * tx) + gx * my * mz, ay - (wy + uy * ty) + gy * mz * mx,
+                  az - (wz + uz * tz) + gz * mx * my)
+    dx, dy, dz = _newton(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
+    found = fx * fx + fy * fy + fz * fz < CONVERGED * (wx * wx + wy * wy + wz * wz)
+    return ax if found else ax - dx, ay if found else ay - dy, az if found else az - dz, found
 
 
 @kernel
 def cayley(q, i, wx, wy, wz, h):
     """Turns orientation i of q by h s at the angular velocity w of the body frame, as the midpoint rule does: the
     angular momentum in the world then stays exactly as it is."""
-    x, y, z, w = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = turned_midpoint(q[i, 0], q[i, 1], q[i, 2], q[i, 3], wx, wy, wz, h)
+
+
+@inlined
+def turned_midpoint(x, y, z, w, wx, wy, wz, h):
+    """The same for a quaternion."""
     ax, ay, az = 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz
     nx, ny, nz = x + w * ax + y * az - z * ay, y + w * ay + z * ax - x * az, z + w * az + x * ay - y * ax
     nw = w - x * ax - y * ay - z * az
     norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = nx * norm, ny * norm, nz * norm, nw * norm
+    return nx * norm, ny * norm, nz * norm, nw * norm
 
 
 @kernel
@@ -150,3 +177,41 @@ def moved(i, position, orientation, start, moving):
     qw = w * d - x * a - y * b - z * c
     moving[i, 9], moving[i, 10], moving[i, 11] = 2.0 * qw * qx, 2.0 * qw * qy, 2.0 * qw * qz
     moving[i, 12] = 0.5 / max(qw * qw, 1e-12)  # 1 + cos = 2 w^2
+
+
+@kernel
+def runge_kutta(stage, i, position, orientation, velocity, angular, inverse_mass, inertia, force, torque, trial, h):
+    """Stage 0 to 3 of the classical scheme for body i, with the forces at its trial state: adds the slope to the sum in
+    the second half of trial (n, 26), whose first half is the start, and sets the next trial state, at last the end."""
+    q, w = orientation[i], angular[i]
+    m = matrix(q[0], q[1], q[2], q[3])
+    wx, wy, wz = m[0] * w[0] + m[3] * w[1] + m[6] * w[2], m[1] * w[0] + m[4] * w[1] + m[7] * w[2], (
+        m[2] * w[0] + m[5] * w[1] + m[8] * w[2])
+    tx, ty, tz = torque[i, 0], torque[i, 1], torque[i, 2]
+    ix, iy, iz = inertia[i, 0], inertia[i, 1], inertia[i, 2]
+    ax = (m[0] * tx + m[3] * ty + m[6] * tz + wy * wz * (iy - iz)) / ix  # Euler's equations, in the body
+    ay = (m[1] * tx + m[4] * ty + m[7] * tz + wz * wx * (iz - ix)) / iy
+    az = (m[2] * tx + m[5] * ty + m[8] * tz + wx * wy * (ix - iy)) / iz
+    # of spin in the world: R (dw/dt) in the body, since w x w = 0
+    bx, by, bz = m[0] * ax + m[1] * ay + m[2] * az, m[3] * ax + m[4] * ay + m[5] * az, m[6] * ax + m[7] * ay + m[8] * az
+    ux, uy, uz = 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]
+    px, py, pz = ux * q[3] + uy * q[2] - uz * q[1], uy * q[3] + uz * q[0] - ux * q[2], uz * q[3] + ux * q[1] - uy * q[0]
+    pw = -ux * q[0] - uy * q[1] - uz * q[2]
+    weight = h / 6.0 if stage == 0 or stage == 3 else h / 3.0
+    ahead = 0.5 * h if stage < 2 else h
+    t = trial[i]
+    slope = (velocity[i, 0], velocity[i, 1], velocity[i, 2], px, py, pz, pw, inverse_mass[i] * force[i, 0],
+             inverse_mass[i] * force[i, 1], inverse_mass[i] * force[i, 2], bx, by, bz)
+    for c in range(13):
+        t[13 + c] = weight * slope[c] + (t[13 + c] if stage else 0.0)
+    for c in range(3):
+        position[i, c] = t[c] + (ahead * slope[c] if stage < 3 else t[13 + c])
+        velocity[i, c] = t[7 + c] + (ahead * slope[7 + c] if stage < 3 else t[20 + c])
+        angular[i, c] = t[10 + c] + (ahead * slope[10 + c] if stage < 3 else t[23 + c])
+    square = 0.0
+    for c in range(4):
+        orientation[i, c] = t[3 + c] + (ahead * slope[3 + c] if stage < 3 else t[16 + c])
+        square += orientation[i, c] * orientation[i, c]
+    norm = 1.0 / math.sqrt(square)
+    for c in range(4):
+        orientation[i, c] *= norm

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
+from drone_sim.arrays import Floats
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.bounce import aim, note, throw
 from drone_sim.dynamics.constraints import COLOURS, colour, enter, group, inverse_inertia, tables, take_back, work_out
 from drone_sim.dynamics.integrators import (
-    cayley, move, move_midpoint, moved, push_euler, push_midpoint, spun_midpoint, to_body, to_world,
+    cayley, move, move_midpoint, moved, push_euler, push_midpoint, runge_kutta, spun_midpoint, to_body, to_world,
 )
 from drone_sim.dynamics.solver import GATHERED, PRESSED, ROW, WAY, press_apart, relax, warm_start
 from drone_sim.effects import Setting
@@ -102,7 +102,7 @@ def meet(held, groups, body, table, position, orientation, velocity, angular, in
         moved(i, position, orientation, start, moving)
     relax(groups, body, table, moving, gathered, h, passes)
     if bouncing:
-        throw(groups, body, table, moving)
+        throw(groups, body, table, moving, h)
     give_speeds(held, velocity, angular, moving)
 
 
@@ -122,25 +122,29 @@ def begin(count, pair, points, normal, anchor, separation, impulse, friction, po
 
 
 @kernel
-def semi_implicit_euler(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
-                        friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
-                        radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used,
-                        colours, size, unit, body, table, trial, substeps, passes, h):
+def semi_implicit_euler(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor,
+                        separation, impulse, friction, total, position, orientation, velocity, angular, force, torque,
+                        inverse_mass, inertia, radius, rough, springy, free, held, mark, start, tensor, moving,
+                        gathered, hurried, used, colours, size, unit, body, table, trial, substeps, passes, h):
     """First order: velocities from forces, then positions from the new velocities."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                   hurried, used, colours, size, unit, body, table)
-    if groups < 0:
-        return groups
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                       hurried, used, colours, size, unit, body, table)
+        if groups < 0:
+            return groups
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
-        take_speeds(held, velocity, angular, moving)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            take_speeds(held, velocity, angular, moving)
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + awake[0]):
             push_euler(awake[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         for k in range(1, 1 + free[0]):
@@ -148,30 +152,35 @@ def semi_implicit_euler(function, address, clock, awake, end, pair, points, norm
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
                  gathered, bouncing, h, passes, False)
-    take_back(groups, unit, points, table, impulse, friction, total)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
 @kernel
-def midpoint(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
-             position, orientation, velocity, angular, force, torque, inverse_mass, inertia, radius, rough, springy,
-             free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size, unit, body, table, trial,
-             substeps, passes, h):
+def midpoint(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation,
+             impulse, friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
+             radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size,
+             unit, body, table, trial, substeps, passes, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
-    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                   hurried, used, colours, size, unit, body, table)
-    if groups < 0:
-        return groups
+    groups, bouncing = 0, False
+    if count:
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                       hurried, used, colours, size, unit, body, table)
+        if groups < 0:
+            return groups
     for sub in range(substeps):
         clock[0] = sub * h
+        run_once(steer, steer_address)
         run_once(function, address)
-        take_speeds(held, velocity, angular, moving)
-        bouncing = note(groups, body, table, moving, gathered, h)
+        if count:
+            take_speeds(held, velocity, angular, moving)
+            bouncing = note(groups, body, table, moving, gathered, h)
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
@@ -200,13 +209,53 @@ def midpoint(function, address, clock, awake, end, pair, points, normal, anchor,
                 bx, by, bz = spun_midpoint(inertia[i, 0], inertia[i, 1], inertia[i, 2], ax, ay, az, tx, ty, tz, h)
                 cayley(orientation, i, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
                 angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, bx, by, bz)
+    if count:
+        take_back(groups, unit, points, table, impulse, friction, total)
+    return 0
+
+
+@kernel
+def rk4(function, address, clock, awake, end, pair, points, normal, anchor, separation, impulse, friction, total,
+        position, orientation, velocity, angular, force, torque, inverse_mass, inertia, radius, rough, springy, free,
+        held, mark, start, tensor, moving, gathered, hurried, used, colours, size, unit, body, table, trial, substeps,
+        passes, h):
+    """Fourth order: Runge and Kutta's classical scheme, on position, orientation, velocity and spin of free bodies."""
+    count = end[-1]
+    if count > colours.shape[0]:
+        return count
+    sort_out(awake, count, pair, free, held, mark)
+    groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
+                   velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
+                   hurried, used, colours, size, unit, body, table)
+    if groups < 0:
+        return groups
+    for sub in range(substeps):
+        clock[0] = sub * h
+        run_once(function, address)
+        take_speeds(held, velocity, angular, moving)
+        bouncing = note(groups, body, table, moving, gathered, h)
+        for k in range(1, 1 + held[0]):
+            push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
+        if count:
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
+                 gathered, bouncing, h, passes, True)
+        if free[0]:
+            for k in range(1, 1 + free[0]):
+                keep_trial(free[k], position, orientation, velocity, angular, trial)
+            for stage in range(4):
+                if stage:
+                    clock[0] = (sub + (0.5 if stage < 3 else 1.0)) * h
+                    run_once(function, address)
+                for k in range(1, 1 + free[0]):
+                    runge_kutta(stage, free[k], position, orientation, velocity, angular, inverse_mass, inertia, force,
+                                torque, trial, h)
     take_back(groups, unit, points, table, impulse, friction, total)
     return 0
 
 
 @kernel
 def keep_trial(i, position, orientation, velocity, angular, trial):
-    """Keeps the state of body i in trial (n, 13) while others are tried."""
+    """Keeps the state of body i in the first half of trial (n, 26) while others are tried."""
     for c in range(3):
         trial[i, c], trial[i, 7 + c], trial[i, 10 + c] = position[i, c], velocity[i, c], angular[i, c]
     for c in range(4):
@@ -222,22 +271,21 @@ def put_back(i, position, orientation, velocity, angular, trial):
         orientation[i, c] = trial[i, 3 + c]
 
 
-SCHEMES = {"semi_implicit_euler": semi_implicit_euler, "midpoint": midpoint}
+SCHEMES = {"semi_implicit_euler": semi_implicit_euler, "midpoint": midpoint, "rk4": rk4}
 
 
 class Motion:
     """The stage and its buffers."""
 
-    def __init__(self, scheme: str, setting: Setting, acting: Program, manifolds: Callable[[], Manifolds],
-                 substeps: int, passes: int) -> None:
+    def __init__(self, scheme: str, setting: Setting, acting: Program, steering: Program,
+                 manifolds: Callable[[], Manifolds], passes: int) -> None:
         n = setting.model.bodies.count
-        self._setting, self._acting, self._manifolds = setting, acting, manifolds
-        self._passes = passes
-        self._kernel, self._substeps, self._h = SCHEMES[scheme], substeps, setting.dt / substeps
+        self._setting, self._acting, self._steering, self._manifolds = setting, acting, steering, manifolds
+        self._kernel, self._passes, self._h = SCHEMES[scheme], passes, setting.dt / setting.substeps
         self._free, self._held = np.zeros((2, n + 1), np.int64)
         self._mark, self._hurried, self._used = *np.zeros((2, n), np.bool_), np.zeros((n, 2), np.int64)
         self._radius: Floats = np.linalg.norm(setting.model.bodies.half, axis=1)
-        self._start, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 6, 13))
+        self._start, self._tensor, self._trial = (np.zeros((n, width)) for width in (7, 6, 26))
         self._moving, self._gathered = np.zeros((n + 1, ROW)), np.zeros(GATHERED)  # one row for nobody
         self._moving[:, PRESSED - 1] = 0.5
         self._size = np.empty((2, COLOURS), np.int64)
@@ -262,10 +310,11 @@ class Motion:
 
     def _arguments(self) -> tuple[Any, ...]:
         s, bodies, forces, m = self._setting.state, self._setting.model.bodies, self._setting.forces, self._manifolds()
-        functions: Integers = self._acting.function
-        return (functions, self._acting.row, forces.clock, s.awake, m.end, m.pair, m.points, m.normal_w, m.anchor_w,
-                m.separation, m.impulse, m.friction, m.total, s.position_w, s.orientation_w, s.velocity_w,
-                s.angular_velocity_w, forces.force_w, forces.torque_w, bodies.inverse_mass, bodies.inertia_b,
-                self._radius, bodies.friction, bodies.restitution, self._free, self._held, self._mark, self._start, self._tensor,
-                self._moving, self._gathered, self._hurried, self._used, self._colours, self._size, *self._tables, self._trial,
-                self._substeps, self._passes, self._h)
+        acting, steering = self._acting, self._steering
+        return (acting.function, acting.row, steering.function, steering.row, forces.clock, s.awake, m.end, m.pair,
+                m.points, m.normal_w, m.anchor_w, m.separation, m.impulse, m.friction, m.total, s.position_w,
+                s.orientation_w, s.velocity_w, s.angular_velocity_w, forces.force_w, forces.torque_w,
+                bodies.inverse_mass, bodies.inertia_b, self._radius, bodies.friction, bodies.restitution, self._free,
+                self._held, self._mark, self._start, self._tensor, self._moving, self._gathered, self._hurried,
+                self._used, self._colours, self._size, *self._tables, self._trial, self._setting.substeps,
+                self._passes, self._h)

@@ -102,13 +102,15 @@ def warm_start(groups, body, table, moving, s):
 @inlined
 def _impulse(t, k, p, speed, rate, scale, loss, per):
     """The impulse at a point (k: its place in a row of four) that has had p and parts at this speed."""
-    # A gap may close within this sub-step, and no faster; an overlap is pushed apart.
+    # A gap may close within this sub-step, and no faster; an overlap is pushed apart. Without springs (rate 0) bodies
+    # have moved already: what has not met then will in the next sub-step.
     gap, mass = t[GAP + k], t[MASS + k]
     apart = gap > 0.0
     push = max(rate * gap, -PUSH_OUT_SPEED)
     bias = gap * per if apart else push
     soft = mass * scale
     mass = mass if apart else soft
+    mass = 0.0 if apart & (p == 0.0) & (rate == 0.0) else mass
     kept = p - loss * p
     kept = p if apart else kept
     return max((kept - mass * bias) - mass * speed, 0.0)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 EFFECTS = {
     "gravity": "drone_sim.effects.gravity",
     "drag": "drone_sim.effects.drag",
+    "motor_lag": "drone_sim.effects.motor_lag",
 }
 AIR = ()  # those that stir the air, before anything asks how it moves
 
@@ -45,13 +46,16 @@ class Setting(NamedTuple):
     dt: float  # s, of a step
     seed: int  # the scene's
     names: tuple[str, ...]  # of all effects of the scene
+    substeps: int  # of a step
 
 
 class Stages(NamedTuple):
-    """What an effect does: once a step, before all else; and for every instant at which forces are asked for."""
+    """What an effect does: once a step, before all else; for every instant at which forces are asked for; and at the
+    beginning of every sub-step, before forces are asked for."""
 
     step: tuple[Stage, ...] = ()
     force: tuple[Stage, ...] = ()
+    substep: tuple[Stage, ...] = ()
 
 
 class Effect(Protocol):

@@ -1,11 +1,9 @@
 """Quadratic air drag on the box of each body: F = -1/2 rho C A |v| v (Anderson, Fundamentals of Aerodynamics, 1.5)."""
 
-import math
-
 from pydantic import Field
 
 from drone_sim.effects import Setting, Stages
-from drone_sim.kernel import kernel
+from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
 from drone_sim.strict import Strict
@@ -25,19 +23,23 @@ def drag(awake, orientation, velocity, air, half, mass, factor, dt, force):
         vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         if air.shape[0]:
             vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
-        speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-        if speed == 0.0:
-            continue
-        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-        area_speed = 0.0
-        for c in range(3):
-            face = 4.0 * half[i, (c + 1) % 3] * half[i, (c + 2) % 3]
-            area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
-        # No more than stops the body within this step: a long step must not turn drag into thrust.
-        rate = min(factor * area_speed, mass[i] / dt)
-        force[i, 0] -= rate * vx
-        force[i, 1] -= rate * vy
-        force[i, 2] -= rate * vz
+        x, y, z = resistance(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], vx, vy, vz,
+                             half[i, 0], half[i, 1], half[i, 2], mass[i], factor, dt)
+        force[i, 0] -= x
+        force[i, 1] -= y
+        force[i, 2] -= z
+
+
+@inlined
+def resistance(qx, qy, qz, qw, vx, vy, vz, hx, hy, hz, mass, factor, dt):
+    """What a box with these half extents loses by moving through the air at v; N, world."""
+    m = matrix(qx, qy, qz, qw)
+    shadow_speed = (4.0 * hy * hz * abs(m[0] * vx + m[3] * vy + m[6] * vz)
+                    + 4.0 * hz * hx * abs(m[1] * vx + m[4] * vy + m[7] * vz)
+                    + 4.0 * hx * hy * abs(m[2] * vx + m[5] * vy + m[8] * vz))
+    # No more than stops the body within this step: a long step must not turn drag into thrust.
+    rate = min(factor * shadow_speed, mass / dt)
+    return rate * vx, rate * vy, rate * vz
 
 
 def build(parameters: Parameters, setting: Setting) -> Stages:
