@@ -6,7 +6,7 @@ from unittest.mock import patch
 
 import flight_peers
 import numpy as np
-from box_world import Box, Setting, scene_of
+import quadrotors
 from clock import Times, side_by_side
 from report import Row
 
@@ -23,16 +23,10 @@ UNNAMED_STEPS = 1000
 ISLAND_SECONDS, OFTEN = 20.0, 10  # simulated; steps between two commands
 
 
-QUADROTOR = {"drone": Box((0.5, 0.5, 0.16), (0.0, 0.0, 100.0), 1.5,
-                          extra="flight: {model: quadrotor, cmd_vel: cmd_vel}")}
-SETTING = Setting(rate=float(flight_peers.RATE), substeps=1)
-EFFECTS = "gravity: {}, motor_lag: {}"
-
-
 def quadrotor_rows(rounds: int) -> Iterator[Row]:
-    """A step a call, a hundred a call, and a thousand drones."""
-    with scene_of(QUADROTOR, SETTING, EFFECTS) as scene:
-        world, alone, many = World(scene), Fleet(scene, 1), Fleet(scene, flight_peers.MANY)
+    """A step a call, a hundred a call, and a thousand drones; the drone of the island."""
+    scene = quadrotors.scene()
+    world, alone, many = World(scene), Fleet(scene, 1), Fleet(scene, flight_peers.MANY)
     commands = np.tile(np.array(COMMAND), (flight_peers.MANY, 1))
 
     batch, number = flight_peers.BATCH, flight_peers.MANY
@@ -41,7 +35,8 @@ def quadrotor_rows(rounds: int) -> Iterator[Row]:
              {"ours": lambda: world.step({"drone": COMMAND}), "crazyflow": flight_peers.crazyflow(1, 1),
               "RotorPy": flight_peers.rotorpy()}, 1, flight_peers.GIVEN),
             ("hundred", f"one quadrotor, {batch} steps a call",
-             {"ours": lambda: alone.run(batch, commands[:1]), "crazyflow": flight_peers.crazyflow(1, batch)}, batch, {}),
+             {"ours": lambda: alone.run(batch, commands[:1]), "crazyflow": flight_peers.crazyflow(1, batch)},
+             batch, {}),
             ("thousand", f"{number:,} quadrotors, {batch} steps a call, drone-steps",
              {"ours": lambda: many.run(batch, commands), "crazyflow": flight_peers.crazyflow(number, batch)},
              number * batch, {})):
