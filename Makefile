@@ -45,6 +45,7 @@ figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
 	@$(RUN) figures/motion_hard_cases.py
+	@$(RUN) figures/effects.py
 	@$(RUN) figures/flight_models.py
 
 accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plots, in five minutes

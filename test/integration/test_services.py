@@ -136,6 +136,18 @@ def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None
     assert answer.message == "level: expected one of sphere, obb, octree, triangle, got 'box'"
 
 
+def test_diagnostics_tell_what_each_stage_takes(graph: Graph, sim: NodeProcess) -> None:
+    reports = graph.listen(DiagnosticArray, "diagnostics")
+
+    def stages() -> dict[str, float]:
+        values = reports[-1].status[0].values if reports else []
+        return {value.key.removesuffix(", us per step"): float(value.value) for value in values
+                if value.key.endswith(", us per step")}
+
+    graph.wait_for(lambda: stages().get("motion", 0.0) > 0.0, "the time that motion takes")
+    assert {"broad phase", "motion: gravity"} <= set(stages())
+
+
 def test_a_twist_that_is_not_finite_is_counted_and_not_obeyed(graph: Graph, sim: NodeProcess) -> None:
     poses = graph.listen(PoseStamped, "user_drone/pose")
     reports = graph.listen(DiagnosticArray, "diagnostics")

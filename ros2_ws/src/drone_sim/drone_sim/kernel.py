@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.dispatcher import Dispatcher
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -56,3 +57,15 @@ def kernel(function: F) -> F:
 def inlined(function: F) -> F:
     """A kernel that is compiled into each of its callers: their loops over it can then be vectorised."""
     return numba.njit(cache=True, error_model="numpy", forceinline=True)(function)  # type: ignore[no-any-return]
+
+
+def reached(compiled: Any) -> list[Any]:
+    """A kernel and all kernels that it calls, and they, in the order in which they are met."""
+    found = [compiled]
+    for caller in found:  # which grows meanwhile
+        function = caller.py_func
+        for name in function.__code__.co_names:
+            callee = function.__globals__.get(name)
+            if isinstance(callee, Dispatcher) and callee not in found:
+                found.append(callee)
+    return found

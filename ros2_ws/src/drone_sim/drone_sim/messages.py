@@ -24,7 +24,7 @@ def scene_message(world: World) -> SceneMessage:
     return SceneMessage(
         name=scene.name, uri=str(scene.path), hash=scene.hash, physics_rate=scene.rates.physics,
         draw_rate=scene.rates.draw, seed=scene.seed, collision_level=scene.collision.level,
-        effects=[stage.name for stage in world.stages], render=scene.render.features(),
+        effects=world.stage_names(), render=scene.render.features(),
         objects=list(scene.objects), cameras=list(scene.cameras))
 
 

@@ -83,6 +83,7 @@ class Rotors:
 
     names: tuple[str, ...]
     parents: tuple[str, ...]
+    paths: tuple[Path, ...]  # (r,) of their models
     drone: Integers  # (r,) index among the drones
     pose_p: Floats  # (r, 7) in the parent
     rate: Floats  # (r,) rad/s in flight; its sign is the direction
@@ -128,6 +129,7 @@ def build(scene: Scene) -> Model:
         rotors=Rotors(
             names=tuple(rotor_names),
             parents=tuple(str(objects[name].parent) for name in rotor_names),
+            paths=tuple(scene.model_path(name) for name in rotor_names),
             drone=np.array([drone_names.index(_root(objects, name)) for name in rotor_names], np.int64),
             pose_p=_poses(objects[name].pose for name in rotor_names),
             rate=np.array([r.direction * r.speed for name in rotor_names if (r := objects[name].rotor)]),

@@ -84,7 +84,7 @@ class SimNode(Node):
 
     def _build(self, name: str) -> World:
         """A world that is ready to step. Raises SceneError or MeshError."""
-        world = World(load(name))
+        world = World(load(name), timed=True)
         first_time = not kernel.compiled_before()
 
         def report(done: int, total: int, stage: str) -> None:

@@ -8,6 +8,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from drone_sim.program import Program
 from drone_sim.scene import Scene
 from drone_sim.stage import Stage
 from drone_sim.state import State
+from drone_sim.timing import Laps, times
 
 
 @kernel
@@ -56,9 +58,14 @@ Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rat
 class World:
     """One scene with its state. Two worlds of one scene that get the same commands stay equal bit for bit."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read."""
+    def __init__(self, scene: Scene, timed: bool = False) -> None:
+        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read.
+
+        timed: reads a clock between any two stages, for stage_times; the motion is the same.
+        """
         self.scene = scene
+        self._timed = timed
+        self._laps: dict[str, Laps] = {}
         self.dt = 1.0 / scene.rates.physics
         self.model = model.build(scene)
         self.state = State.of(self.model)
@@ -75,25 +82,27 @@ class World:
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
         forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
                                               np.zeros(len(m.rotors.names)), np.zeros(1))
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, tuple(active), self.scene.dynamics.substeps)
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
         self._events = Events(lambda: self.detection.manifolds,
                               lambda: self.sleep.touching if self.sleep else NOBODY)
 
-        built = [(name, effects.effect(name).build(p, setting)) for name, p in active.items()]
+        self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
+        built = list(self.effects.items())
         if flying:
             air = sum(name in effects.AIR for name in active)
             built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
-        self.acting = Program([Stage("rest", rest, (s.awake, *forces[:3])),
-                               *(stage for _, stages in built for stage in stages.force)])
-        self.steering = Program([stage for _, stages in built for stage in stages.substep])
+        self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
+                                                    *(stage for _, stages in built for stage in stages.force)])
+        self.steering = self._put_together("sub-steps", [stage for _, stages in built for stage in stages.substep])
         self._before = [Stage("commands", age, (s.silence,))] if flying else []
         self._before += [stage for _, stages in built for stage in stages.step]
         self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
                              lambda: self.detection.manifolds, self.scene.dynamics.passes)
         self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and not self._alone else None
+        calm = not self._alone and not any(name in effects.UNSTEADY for name in active)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and calm else None
         self._after = [self.sleep.falling_asleep] if self.sleep else []
         if flying and not self._alone:
             self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
@@ -105,11 +114,18 @@ class World:
     def _assemble(self) -> None:
         """Puts the stages together."""
         before, after = ((), ()) if self._alone else (self.detection.stages, (self.detection.catching,))
-        self.program = Program([*self._before, *before, *([self.sleep.waking] if self.sleep else []),
-                                self.motion.stage, *after, *self._after])
+        waking = [self.sleep.waking] if self.sleep else []
+        self.program = self._put_together("step", [*self._before, *before, *waking, self.motion.stage, *after,
+                                                   *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
+
+    def _put_together(self, name: str, stages: list[Stage]) -> Program:
+        if self._timed:
+            self._laps[name] = Laps(stages)
+            stages = self._laps[name].stages
+        return Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
         """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
@@ -173,12 +189,26 @@ class World:
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
-        total = len(self.acting.stages) + len(self.program.stages)
-        self.acting.compile(lambda done, _, name: report(done, total, name))
-        self.steering.compile()
-        self.program.compile(lambda done, _, name: report(len(self.acting.stages) + done, total, name))
+        programs = (self.acting, self.steering, self.program)
+        total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
+        for program in programs:
+            program.compile(lambda _, __, name: report(next(done), total, name) if name else None)
         self.detection.compile()
         self._ready = True
+
+    def stage_names(self) -> list[str]:
+        """What a step is made of: the stages in order, and after 'motion' those that it runs in its sub-steps."""
+        inner = (*self.steering.stages, *self.acting.stages)
+        forces = [f"motion: {stage.name}" for stage in inner if stage.name]
+        names = [stage.name for stage in self.program.stages if stage.name]
+        at = names.index("motion") + 1
+        return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
+
+    def stage_times(self) -> dict[str, float]:
+        """us per step of each stage since this was last called, by `stage_names`; empty unless the world is timed."""
+        if not self._timed:
+            return {}
+        return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
 
     @property
     def time(self) -> float:

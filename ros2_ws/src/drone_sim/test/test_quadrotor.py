@@ -286,7 +286,8 @@ def test_the_rotors_drag_is_what_their_rates_and_speed_make_it(world: Make) -> N
     c = IRIS._replace(rotor_drag=8.06428e-5)
     np.testing.assert_allclose(slowed(c, 600.0, 610.0, 620.0, 630.0, 3.0, -2.0, 5.0, 0.01),
                                -8.06428e-5 * 2460.0 * np.array([3.0, -2.0, 0.0]), rtol=1e-12)
-    np.testing.assert_allclose(slowed(c, 600.0, 600.0, 600.0, 600.0, 3.0, 0.0, 0.0, 100.0)[0], -1.5 * 3.0 / 100.0)
+    np.testing.assert_allclose(slowed(c, 600.0, 600.0, 600.0, 600.0, 3.0, 0.0, 0.0, 100.0)[0],
+                               -effects.STABLE * 1.5 * 3.0 / 100.0)
     through_air = world(DRONE.replace("model: quadrotor", "model: quadrotor, quadrotor: {rotor_drag: 8.06428e-5}"), LAG)
     flown = fly(through_air, 5.0, (4.0, 0.0, 0.0, 0.0))[-1, 0]
     push = through_air.state.memory["expected_velocity_and_push"][0, 3]

@@ -41,22 +41,24 @@ def test_compiling_leaves_the_world_at_its_start(world: Make) -> None:
     compiled, fresh = world(BUSY), world(BUSY)
     told: list[str] = []
     compiled.compile(lambda done, total, name: told.append(f"{done}/{total} {name}"))
-    assert told[0].endswith("forces")
-    assert len(told) == len(compiled.stages)
+    assert told[0] == f"0/{len(told)} rest"
+    assert told[-1] == f"{len(told) - 1}/{len(told)} clock"
     assert compiled.state.hash() == fresh.state.hash()
     assert hashes(compiled, 50) == hashes(fresh, 50)
 
 
 def test_stages_are_what_the_scene_calls_for(world: Make) -> None:
     def stages(objects: str, rest: str) -> list[str]:
-        return [stage.name for stage in world(objects, rest).stages]
+        return world(objects, rest).stage_names()
 
-    crate = "crate: {model: crate, mass: 1}"
-    assert stages(crate, "effects: {}") == ["forces", "detection", "motion", "events"]
-    assert stages(crate, "effects: {drag: {}, gravity: {}}") == [
-        "forces", "gravity", "drag", "detection", "motion", "events"]
-    assert stages(BUSY, "effects: {}") == [
-        "forces", "commands", "flight", "detection", "motion", "events", "landing", "rotors"]
+    crates, awake = "crate: {model: crate, mass: 1, poses: [[0, 0, 0], [2, 0, 0]]}", "dynamics: {sleep: false}\n"
+    assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: rest", "clock"]
+    found = ["keep", "broad phase", "contacts", "impacts", "warm start"]
+    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: rest", "clock"]
+    assert stages(crates, "effects: {drag: {}, gravity: {}}") == [
+        *found, "waking", "motion", "motion: rest", "motion: gravity", "motion: drag", "sleep", "clock"]
+    assert stages(BUSY, awake + "effects: {}") == [
+        "commands", "pilot", "direct", *found, "motion", "motion: rest", "motion: flight", "landing", "rotors", "clock"]
 
 
 @pytest.mark.parametrize("nothing", ["drag: {density: 0}", "drag: {coefficient: 0}", "gravity: {acceleration: 0}"])
@@ -86,9 +88,3 @@ def test_the_island_runs_and_stays_finite() -> None:
     person = names.index("person")
     assert np.linalg.norm(island.object_poses()[person, :3] - start[person, :3]) < 0.005
 
-
-def test_stage_times_name_every_stage(world: Make) -> None:
-    busy = world(BUSY)
-    busy.step()
-    assert list(busy.stage_times()) == [stage.name for stage in busy.stages]
-    assert all(time > 0 for time in busy.stage_times().values())

@@ -1,10 +1,12 @@
 """What acts on bodies: one effect a file, built only for scenes that name it.
 
-To add one, write a module with `Parameters` and `build`, and its line in EFFECTS. Its stages see all arrays; they add to
-forces.force_w and torque_w, or to forces.air_w if it stirs the air. What goes on from step to step is kept by
+To add one, write a module with `Parameters` and `build`, and its line in EFFECTS. Its stages see all arrays; they add
+to forces.force_w and torque_w, or to forces.air_w if it stirs the air. What goes on from step to step is kept by
 `state.remember`, so that it is part of the state and its hash; randomness comes from `setting.seed` (see noise.py).
 """
 
+import json
+from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
@@ -19,12 +21,21 @@ if TYPE_CHECKING:
     from drone_sim.model import Model
     from drone_sim.state import State
 
-EFFECTS = {
+EFFECTS = {  # in the order in which they act: first those that stir the air
+    "wind": "drone_sim.effects.wind",
+    "gusts": "drone_sim.effects.gusts",
+    "downwash": "drone_sim.effects.downwash",
     "gravity": "drone_sim.effects.gravity",
     "drag": "drone_sim.effects.drag",
+    "linear_drag": "drone_sim.effects.linear_drag",
+    "ground_effect": "drone_sim.effects.ground_effect",
+    "water": "drone_sim.effects.water",
     "motor_lag": "drone_sim.effects.motor_lag",
 }
-AIR = ()  # those that stir the air, before anything asks how it moves
+AIR = ("wind", "gusts", "downwash")  # those that stir the air, before anything asks how it moves
+THRUST = ("downwash", "ground_effect")  # those that need to know what each rotor pushes with
+STABLE = 0.4  # of what stops a body within a sub-step: the most that one drag takes, as several may act at once
+UNSTEADY = ("gusts", "downwash")  # those that may move what has come to rest: with them, nobody sleeps
 
 
 class Forces(NamedTuple):
@@ -45,8 +56,13 @@ class Setting(NamedTuple):
     forces: Forces
     dt: float  # s, of a step
     seed: int  # the scene's
-    names: tuple[str, ...]  # of all effects of the scene
+    active: Mapping[str, Strict]  # all effects of the scene, and their parameters
     substeps: int  # of a step
+
+    @property
+    def h(self) -> float:
+        """s, of a sub-step: forces are asked for at least as often."""
+        return self.dt / self.substeps
 
 
 class Stages(NamedTuple):
@@ -56,6 +72,7 @@ class Stages(NamedTuple):
     step: tuple[Stage, ...] = ()
     force: tuple[Stage, ...] = ()
     substep: tuple[Stage, ...] = ()
+    idle: str = ""  # why there is nothing to do, where there is not
 
 
 class Effect(Protocol):
@@ -66,6 +83,11 @@ class Effect(Protocol):
     @staticmethod
     def build(parameters: Strict, setting: Setting) -> Stages:
         """The stages that this effect adds."""
+
+
+def weight(active: Mapping[str, Strict]) -> float:
+    """The gravity that these effects hold, m/s^2; 0 without any."""
+    return float(getattr(active.get("gravity"), "acceleration", 0.0))
 
 
 def effect(name: str) -> Effect:
@@ -82,7 +104,8 @@ def parameters(scene: Scene) -> dict[str, Strict]:
     for name in EFFECTS:
         if name in scene.effects:
             try:
-                valid[name] = effect(name).Parameters.model_validate(scene.effects[name], strict=True)
+                words = json.dumps(scene.effects[name])  # as a file has them: lists for tuples
+                valid[name] = effect(name).Parameters.model_validate_json(words, strict=True)
             except ValidationError as error:
                 message = first_error(error, effect(name).Parameters, ("effects", name))
                 raise SceneError(f"{scene.path}: {message}") from None

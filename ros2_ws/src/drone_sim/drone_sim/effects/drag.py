@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from drone_sim.effects import Setting, Stages
+from drone_sim.effects import STABLE, Setting, Stages
 from drone_sim.kernel import inlined, kernel
 from drone_sim.rotation import matrix
 from drone_sim.stage import Stage
@@ -15,7 +15,7 @@ class Parameters(Strict):
 
 
 @kernel
-def drag(awake, orientation, velocity, air, half, mass, factor, dt, force):
+def drag(awake, orientation, velocity, air, half, mass, factor, h, force):
     """Adds the drag of boxes, `factor` = rho C / 2, to force (n, 3). A is the box's shadow along its way through the
     air, which moves at air (n, 3), or is still: (0, 3)."""
     for k in range(1, 1 + awake[0]):
@@ -24,21 +24,21 @@ def drag(awake, orientation, velocity, air, half, mass, factor, dt, force):
         if air.shape[0]:
             vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
         x, y, z = resistance(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], vx, vy, vz,
-                             half[i, 0], half[i, 1], half[i, 2], mass[i], factor, dt)
+                             half[i, 0], half[i, 1], half[i, 2], mass[i], factor, h)
         force[i, 0] -= x
         force[i, 1] -= y
         force[i, 2] -= z
 
 
 @inlined
-def resistance(qx, qy, qz, qw, vx, vy, vz, hx, hy, hz, mass, factor, dt):
+def resistance(qx, qy, qz, qw, vx, vy, vz, hx, hy, hz, mass, factor, h):
     """What a box with these half extents loses by moving through the air at v; N, world."""
     m = matrix(qx, qy, qz, qw)
     shadow_speed = (4.0 * hy * hz * abs(m[0] * vx + m[3] * vy + m[6] * vz)
                     + 4.0 * hz * hx * abs(m[1] * vx + m[4] * vy + m[7] * vz)
                     + 4.0 * hx * hy * abs(m[2] * vx + m[5] * vy + m[8] * vz))
-    # No more than stops the body within this step: a long step must not turn drag into thrust.
-    rate = min(factor * shadow_speed, mass / dt)
+    # Less than stops the body within a sub-step of h s: a long one must not turn drag into thrust.
+    rate = min(factor * shadow_speed, STABLE * mass / h)
     return rate * vx, rate * vy, rate * vz
 
 
@@ -46,4 +46,4 @@ def build(parameters: Parameters, setting: Setting) -> Stages:
     bodies, state, forces = setting.model.bodies, setting.state, setting.forces
     factor = 0.5 * parameters.density * parameters.coefficient
     return Stages(force=(Stage("drag", drag, (state.awake, state.orientation_w, state.velocity_w, forces.air_w,
-                                              bodies.half, bodies.mass, factor, setting.dt, forces.force_w)),))
+                                              bodies.half, bodies.mass, factor, setting.h, forces.force_w)),))

@@ -56,7 +56,7 @@ def follow(told, start, clock, began, up, down, now):
 
 def build(parameters: Parameters, setting: Setting) -> Stages:
     """Nothing by itself: the flight model puts its rotors' lag between the loops and the forces."""
-    return Stages()
+    return Stages(idle="" if setting.model.drones.quadrotor.any() else "no drone flies by the model quadrotor")
 
 
 def between(parameters: Parameters, told: Floats, speed: Floats, now: Floats, clock: Floats, h: float) -> Stages:

@@ -71,12 +71,12 @@ def act(c, number, drag, rotors, qx, qy, qz, qw, vx, vy, vz, n0, n1, n2, n3):
     None where theirs counts."""
     _, _, _, _, fx, fy, fz, tx, ty, tz = lift(c, qx, qy, qz, qw, n0, n1, n2, n3)
     if rotors is not None:
-        x, y, z = rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, number[DT])
+        x, y, z = rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, number[H])
         fx, fy, fz = fx + x, fy + y, fz + z
     fz -= number[WEIGHT] * c.mass
     if drag is not None:
         x, y, z = resistance(qx, qy, qz, qw, vx, vy, vz, number[HALF_X], number[HALF_Y], number[HALF_Z], c.mass, drag,
-                             number[DT])
+                             number[H])
         fx, fy, fz = fx - x, fy - y, fz - z
     return fx, fy, fz, tx, ty, tz
 

@@ -8,6 +8,7 @@ reckoned at once.
 
 import math
 
+from drone_sim.effects import STABLE
 from drone_sim.kernel import inlined
 from drone_sim.rotation import matrix
 
@@ -129,10 +130,13 @@ def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
 
 
 @inlined
-def rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, dt):
+def rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, h):
     """What flying across the rotors' axes costs, N in the world: -rate c v of each (Martin and Salaun 2010, The True
-    Role of Accelerometer Feedback in Quadrotor Control); no more than stops the drone in dt. v: through the air."""
+    Role of Accelerometer Feedback in Quadrotor Control); less than stops the drone within a sub-step of h s.
+
+    v: through the air.
+    """
     m = matrix(qx, qy, qz, qw)
-    rate = min(c.rotor_drag * (n0 + n1 + n2 + n3), c.mass / dt)
+    rate = min(c.rotor_drag * (n0 + n1 + n2 + n3), STABLE * c.mass / h)
     along = vx * m[2] + vy * m[5] + vz * m[8]
     return rate * (along * m[2] - vx), rate * (along * m[5] - vy), rate * (along * m[8] - vz)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.effects import Setting, Stages
+from drone_sim.effects import THRUST, Setting, Stages
 from drone_sim.flight.pilot import limited
 from drone_sim.kernel import kernel
 from drone_sim.rotation import matrix, rotate
@@ -18,7 +18,6 @@ from drone_sim.stage import Stage
 RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
 LEAN = 0.5  # of the tilt that a quadrotor would need for the same acceleration
 ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
-ASK_FOR_THRUST = ("ground_effect", "downwash")
 
 
 @kernel
@@ -89,7 +88,7 @@ def build(setting: Setting, drone: Integers, wanted: Floats, weight: float) -> S
     step = [Stage("direct", steer, (
         drone, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
         drones.max_acceleration, wanted, s.landed, weight, setting.dt, push))]
-    if any(name in setting.names for name in ASK_FOR_THRUST):
+    if any(name in setting.active for name in THRUST):
         place = np.full(len(drones.body), -1, np.int64)
         place[drone] = np.arange(len(drone))
         step.append(Stage("thrust", share, (drone, place, push, setting.model.rotors.drone, forces.thrust)))

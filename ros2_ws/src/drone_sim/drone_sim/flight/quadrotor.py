@@ -64,7 +64,16 @@ def fly(drone, body, row, rotor, orientation, now, force, torque, thrust):
 
 
 @kernel
-def resist(drone, body, row, orientation, velocity, air, now, dt, force):
+def press(row, rotor, speed, thrust):
+    """Writes thrust (r,) as it is when a sub-step begins, for effects that ask before `fly` has run."""
+    for k in range(rotor.shape[0]):
+        for i in range(4):
+            if rotor[k, i] >= 0:
+                thrust[rotor[k, i]] = craft(row[k]).thrust_coefficient * speed[k, i] ** 2
+
+
+@kernel
+def resist(drone, body, row, orientation, velocity, air, now, h, force):
     """Adds the rotors' drag to force (n, 3); air: (n, 3), or (0, 3) where it is still."""
     for k in range(drone.shape[0]):
         i = body[drone[k]]
@@ -72,7 +81,7 @@ def resist(drone, body, row, orientation, velocity, air, now, dt, force):
         if air.shape[0]:
             vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
         q, n = orientation[i], now[k]
-        x, y, z = rotor_drag(craft(row[k]), q[0], q[1], q[2], q[3], n[0], n[1], n[2], n[3], vx, vy, vz, dt)
+        x, y, z = rotor_drag(craft(row[k]), q[0], q[1], q[2], q[3], n[0], n[1], n[2], n[3], vx, vy, vz, h)
         force[i, 0] += x
         force[i, 1] += y
         force[i, 2] += z
@@ -123,7 +132,9 @@ def build(setting: Setting, drone: Integers, wanted: Floats, active: Mapping[str
                                  forces.thrust))]
     if row[:, 6].any():
         act.append(Stage("rotor drag", resist, (drone, body, row, s.orientation_w, s.velocity_w, forces.air_w, now,
-                                                setting.dt, forces.force_w)))
+                                                setting.h, forces.force_w)))
     steer = Stage("control", control, (drone, body, row, s.orientation_w, s.velocity_w, s.angular_velocity_w, wanted,
                                        s.landed, weight, expected, told))
-    return Stages(substep=(steer, *lag.substep), force=(*lag.force, *act))
+    asked = any(name in active for name in effects.THRUST)
+    tell = (Stage("thrust", press, (row, rotor, speed, forces.thrust)),) if asked else ()
+    return Stages(substep=(steer, *tell, *lag.substep), force=(*lag.force, *act))
