@@ -15,6 +15,7 @@ CUBE, PLATE = 0.05, (2.0, 2.0, 0.01)  # m
 AT_ONCE = 50  # cubes in one world, each in front of a plate of its own
 STEPS = 24  # that a cube is watched; the slowest needs 20
 APART = 1000.0  # m between plates: further than the fastest cube flies meanwhile
+FAR = 1.0  # m, of those that no step has found over their plate
 SLOWEST, FASTEST = 1.0, 1000.0  # m/s
 SETTLED = 10.0  # s after which what lies about in the island has come to rest
 
@@ -44,7 +45,7 @@ def plate(setting: Setting, shots: int = 10_000) -> Outcome:
             before = now
         through += int(passed.sum())
         speeds += speed.tolist()
-        nearest += np.where(np.isfinite(near), near, side * before[:, 2]).tolist()
+        nearest += np.where(np.isfinite(near), near, FAR).tolist()
     return Outcome((Reached(f"through the plate, of {shots // AT_ONCE * AT_ONCE}", float(through), 0.0),),
                    thinned({"speed_m_s": speeds, "nearest_m": nearest}))
 
