@@ -10,7 +10,7 @@ class Stage(NamedTuple):
     """A kernel and its arguments, and what stages are called in reports.
 
     Arguments may also be a function that gives them, asked again when the stage is bound anew. A kernel that returns a
-    code other than 0 stops the loop: `attend` is called with it, and names the stage to go on from, or None for the next.
+    code other than 0 stops the loop: `attend` is called with it, and names the stage to go on from, None for the next.
     Without a kernel the stage is Python's, and `attend` all that there is to do.
     """
 

@@ -16,7 +16,7 @@ import numpy as np
 from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
-from drone_sim.collision.events import Event, Events
+from drone_sim.collision.events import Event, Events, Touching
 from drone_sim.dynamics.motion import Motion
 from drone_sim.dynamics.sleep import Sleep
 from drone_sim.flight import pilot, rotors
@@ -50,7 +50,7 @@ def tick(step):
     step[0] += 1
 
 
-NOBODY = np.empty(0, np.int64)
+NOTHING = Touching(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
 LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
@@ -80,13 +80,14 @@ class World:
         m, s = self.model, self.state
         active = effects.parameters(self.scene)
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
-        forces = self.forces = effects.Forces(*np.zeros((2, m.bodies.count, 3)), np.zeros((stirred, 3)),
-                                              np.zeros(len(m.rotors.names)), np.zeros(1))
+        force, torque = np.zeros((2, m.bodies.count, 3))
+        forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
+                                              np.zeros(1))
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
         self._events = Events(lambda: self.detection.manifolds,
-                              lambda: self.sleep.touching if self.sleep else NOBODY)
+                              lambda: self.sleep.touching if self.sleep else NOTHING)
 
         self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
         built = list(self.effects.items())
@@ -216,9 +217,12 @@ class World:
         return int(self.state.step[0]) * self.dt
 
     def contact_counts(self) -> dict[str, int]:
-        """By level: the contacts of bodies that touch or are about to. Pairs of meshes may have several."""
+        """By level: the contacts of bodies that touch or are about to, or do so in their sleep. Pairs of meshes may have
+        several."""
         found = self.detection.manifolds
-        return dict(zip(model.MEETING, np.bincount(found.level[: found.count], minlength=4).tolist(), strict=True))
+        asleep = self.sleep.touching if self.sleep else NOTHING
+        level = np.concatenate([found.level[: found.count], asleep.level])
+        return dict(zip(model.MEETING, np.bincount(level, minlength=4).tolist(), strict=True))
 
     @property
     def events(self) -> list[Event]:

@@ -107,6 +107,15 @@ def test_seeds_are_the_copies_own(scene: Load) -> None:
     assert [world.scene.seed for world in Fleet(tiny, 2, seeds=[9, 9]).worlds] == [9, 9]
 
 
+def test_chance_is_the_copies_own(scene: Load) -> None:
+    windy = scene(DRONE, "effects: {gravity: {}, drag: {}, wind: {mean: [3, 0, 0]}, gusts: {}}")
+    fleet = Fleet(windy, 3, seeds=[4, 5, 4])
+    assert "'wind'" in fleet.why_not
+    fleet.run(60)
+    np.testing.assert_array_equal(fleet.state.position_w[0], fleet.state.position_w[2])
+    assert np.abs(fleet.state.position_w[0] - fleet.state.position_w[1]).max() > 0.001
+
+
 def test_a_reset_is_a_fresh_start(scene: Load) -> None:
     fleet = Fleet(scene(DRONE), 4)
     fleet.run(30, (1.0, 0.0, 0.0, 0.5))

@@ -5,6 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drone_sim import effects
+from drone_sim.flight import direct
+from drone_sim.program import Program
 from drone_sim.world import World
 
 FLOOR = "floor: {model: floor, static: true, collision: {level: floor}}\n"
@@ -117,3 +120,22 @@ def test_it_pushes_what_can_move_and_is_pushed_back(world: Make) -> None:
             slowest = min(slowest, flight.state.velocity_w[0, 0])
     assert flight.pose("crate")[0] > 3.5
     assert slowest < 2.0
+
+
+def test_where_nothing_can_touch_nothing_is_looked_for(world: Make) -> None:
+    alone, over_ground = ([stage.name for stage in world(text).program.stages] for text in (DRONE, FLOOR + DRONE))
+    looked_for = [name for name in over_ground if name not in alone]
+    assert {"broad phase", "contacts", "landing"} <= set(looked_for)
+
+
+@pytest.mark.parametrize("asking", ["ground_effect", "downwash"])
+def test_each_rotor_has_its_share_of_the_lift_where_an_effect_asks_for_it(world: Make, asking: str) -> None:
+    two = world(DRONE + DRONE.splitlines()[1].replace("rotor:", "other:", 1))
+    setting = effects.Setting(two.model, two.state, two.forces, two.dt, 0, (asking,), 8)
+    stages = direct.build(setting, np.array([0]), np.zeros((1, 4)), 9.80665).step
+    program = Program(stages)
+    program.compile()
+    program.run(1)
+    np.testing.assert_allclose(two.forces.thrust, [1.4 * 9.80665 / 2] * 2)
+    two.step()
+    assert "thrust" not in [stage.name for stage in two.program.stages]

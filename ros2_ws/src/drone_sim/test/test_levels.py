@@ -129,9 +129,10 @@ def test_a_crate_is_never_shot_through_a_wall(world: Callable[..., World], level
               said(level).replace("gravity: {}", ""))
     w.state.velocity_w[0] = (-speed, 0.0, 0.0)
     w.state.angular_velocity_w[0] = (3.0, 5.0, 2.0)
-    nearest = []
+    nearest, met = [], False
     for _ in range(60):
         w.step()
         nearest.append(w.state.position_w[0, 0])
+        met = met or w.state.velocity_w[0, 0] > 0.0  # thrown back within the step, however far
     assert min(nearest) > 0.75
-    assert min(nearest) < 5.0  # it got there
+    assert met

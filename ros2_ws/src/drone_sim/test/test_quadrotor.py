@@ -198,6 +198,15 @@ def test_what_pushes_it_is_found_out_and_met(world: Make) -> None:
     assert fly(world(stubborn, "effects: {gravity: {}, drag: {}}"), 6.0, (4.0, 0.0, 0.0, 0.0))[-1, 0] < 3.8
 
 
+def test_it_holds_its_place_in_wind(world: Make) -> None:
+    windy = world(DRONE, "effects: {gravity: {}, drag: {}, motor_lag: {}, wind: {mean: [4, 1, 0]}}")
+    fly(windy, 12.0)  # blown off at first, it comes back to the place where it first stood still
+    place = windy.pose("drone")[:3]
+    fly(windy, 5.0)
+    np.testing.assert_allclose(windy.pose("drone")[:3], place, atol=0.02)
+    np.testing.assert_allclose(windy.pose("drone")[:3], windy.state.hold_w[0], atol=0.02)
+
+
 def test_it_lands_stops_its_rotors_and_takes_off_again(world: Make) -> None:
     flight = world(FLOOR + DRONE, LAG)
     fly(flight, 4.0, (0.0, 0.0, -0.8, 0.0))

@@ -54,11 +54,12 @@ def test_stages_are_what_the_scene_calls_for(world: Make) -> None:
     crates, awake = "crate: {model: crate, mass: 1, poses: [[0, 0, 0], [2, 0, 0]]}", "dynamics: {sleep: false}\n"
     assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: rest", "clock"]
     found = ["keep", "broad phase", "contacts", "impacts", "warm start"]
-    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: rest", "clock"]
+    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: rest", "catch", "clock"]
     assert stages(crates, "effects: {drag: {}, gravity: {}}") == [
-        *found, "waking", "motion", "motion: rest", "motion: gravity", "motion: drag", "sleep", "clock"]
+        *found, "waking", "motion", "motion: rest", "motion: gravity", "motion: drag", "catch", "sleep", "clock"]
     assert stages(BUSY, awake + "effects: {}") == [
-        "commands", "pilot", "direct", *found, "motion", "motion: rest", "motion: flight", "landing", "rotors", "clock"]
+        "commands", "pilot", "direct", *found, "motion", "motion: rest", "motion: flight", "catch",
+        "landing", "rotors", "clock"]
 
 
 @pytest.mark.parametrize("nothing", ["drag: {density: 0}", "drag: {coefficient: 0}", "gravity: {acceleration: 0}"])

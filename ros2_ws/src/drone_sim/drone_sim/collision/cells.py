@@ -208,11 +208,11 @@ def put_in_order(low, high, pair, found, count, spare, ordered):
             kept += 1
     if kept <= FEW:
         for k in range(kept):
-            this, at = pair[k], k
-            while at > 0 and spare[at - 1] > this:
-                spare[at] = spare[at - 1]
-                at -= 1
-            spare[at] = this
+            one, to = pair[k], k
+            while to > 0 and spare[to - 1] > one:
+                spare[to] = spare[to - 1]
+                to -= 1
+            spare[to] = one
         for k in range(kept):
             ordered[0, k], ordered[1, k] = spare[k] >> 32, spare[k] & 0xFFFFFFFF
         return kept

@@ -10,7 +10,7 @@ from drone_sim.collision import grid, meshes, narrow
 from drone_sim.collision.grid import bound, bounds, crowd, find_pairs
 from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels, lookup
-from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, PARTS, SWEPT, Manifolds, anchor, carry_over, keep
+from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
 from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
 from drone_sim.collision.sweep import fast
 from drone_sim.kernel import kernel
@@ -137,7 +137,8 @@ class Detection:
     def stages(self) -> tuple[Stage, ...]:
         """Those of a step; a scene without meshes has none for them."""
         fine = (Stage("mesh contacts", any_fine, (self._count,), self._find_fine),) if self.levels.uses_meshes else ()
-        return (Stage("keep", keep, self._keep_arguments), Stage("broad phase", approach, self._broad_arguments, self._attend),
+        return (Stage("keep", keep, self._keep_arguments),
+                Stage("broad phase", approach, self._broad_arguments, self._attend),
                 Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *fine,
                 Stage("impacts", any_ahead, (self._count,), self._find_ahead),
                 Stage("warm start", carry_over, self._warm_arguments))
@@ -279,7 +280,8 @@ class Detection:
         """Stops fast bodies that got through something, whatever the solver made of the contacts ahead."""
         pairs = self._pairs()
         chosen = self._swept[: len(pairs[0])] & (pairs[3] >= SPHERE)
-        self._impacts.catch(self._state, *(pairs[i][chosen] for i in (0, 1, 3)), self._quick, self._meshes)
+        a, b, _, level, *_ = _only(chosen, pairs)
+        self._impacts.catch(self._state, a, b, level, self._quick, self._meshes)
 
     def _look_ahead(self, pairs: Pairs) -> None:
         placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
@@ -298,7 +300,8 @@ class Detection:
         arrays = m.pair, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.level
         pairs = tuple(np.ascontiguousarray(array) for array in pairs)  # type: ignore[assignment]
         a, b, *rest = pairs
-        for find, scratch in ((find_boxes, self._scratch), (find_others, ())):
+        finders: tuple[tuple[Any, tuple[Any, ...]], ...] = (find_boxes, self._scratch), (find_others, ())
+        for find, scratch in finders:
             m.count = find(len(a), placed.position, placed.axes, placed.half, a, b, *rest, *scratch, *arrays, m.count)
 
     def _append_fine(self, placed: Placed, pairs: Pairs) -> None:

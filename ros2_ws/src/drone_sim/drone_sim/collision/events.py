@@ -1,4 +1,4 @@
-"""Begin, persist and end: how the contacts of a step differ from those of the step before. Worked out when asked for."""
+"""Begin, persist and end: how the contacts of a step differ from those of the step before; worked out when asked."""
 
 from collections.abc import Callable
 from enum import IntEnum
@@ -67,8 +67,8 @@ def touching(pair: Integers, level: Integers, normal: Floats, touch: Floats) -> 
 class Events:
     """What began, went on and ended to touch in the last step."""
 
-    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], Integers]) -> None:
-        """asleep: the keys of pairs that touch in their sleep, of which nothing is said."""
+    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], Touching]) -> None:
+        """asleep: pairs that touch in their sleep, which goes on."""
         self._manifolds, self._asleep = manifolds, asleep
 
     @property
@@ -79,10 +79,14 @@ class Events:
         now = touching(m.pair[:count], m.level[:count], m.normal_w[:count], touch)
         last, old = m.last, m.last.end[-1]
         before = touching(last.pair[:old], last.level[:old], last.normal_w[:old], last.touch[:old])
-        went_on = np.isin(now.key, before.key)
-        ended = ~np.isin(before.key, np.concatenate([now.key, self._asleep()]))
+        asleep = self._asleep()
+        sleeping = ~np.isin(asleep.key, now.key)  # those that fell asleep in this step are in both
+        now = Touching(*(np.concatenate([one, other[sleeping]]) for one, other in zip(now, asleep, strict=True)))
+        went_on = np.isin(now.key, np.concatenate([before.key, asleep.key]))
+        ended = ~np.isin(before.key, now.key)
+        over = Touching(before.key[ended], before.level[ended], before.normal[ended], before.touch[ended])
         return [*_events(now, np.where(went_on, Phase.PERSIST, Phase.BEGIN)),
-                *_events(Touching(*(array[ended] for array in before)), np.full(ended.sum(), Phase.END))]
+                *_events(over, np.full(len(over.key), Phase.END))]
 
 
 def _events(of: Touching, phases: Integers) -> list[Event]:

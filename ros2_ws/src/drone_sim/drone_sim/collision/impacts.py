@@ -120,7 +120,7 @@ class Impacts:
     def _times(self, pair_a: Integers, pair_b: Integers, level: Integers, position: Floats, orientation: Floats,
                velocity: Floats, spin: Floats, half: Floats, meshes: Meshes | None,
                boxes: Booleans | None = None) -> tuple[Floats, Integers]:
-        """When pairs (k,) that move so meet, as a part of the step, and whether; boxes: (n,) those that are no meshes."""
+        """When pairs (k,) that move so meet, as a part of the step, and whether; boxes: (n,) those without a mesh."""
         time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
         box, link, corners, *_ = meshes.tree if meshes else octree.EMPTY
         roots = meshes.roots if meshes else np.full(len(half), -1)

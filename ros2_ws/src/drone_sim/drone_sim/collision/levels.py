@@ -9,8 +9,8 @@ from drone_sim.model import OCTREE, UNSAID, Meeting
 
 @kernel
 def lookup(pairs, pair_a, pair_b, default, own, keys, words, level, everything):
-    """Writes the level of the first `pairs` pairs a < b, and 1 where it asks for all contacts, 0 for the deepest point alone: the
-    pair's own word, else the finer of the bodies', else the default.
+    """Writes the level of the first `pairs` pairs a < b, and 1 where it asks for all contacts, 0 for the deepest point
+    alone: the pair's own word, else the finer of the bodies', else the default.
 
     default: (2,), own: (n, 2), words: (k, 2), each a level and contacts or UNSAID; keys: (k,) a * n + b, ascending, of
     the pairs with words of their own.

@@ -48,8 +48,9 @@ def axes_of(orientation, axes):
 
 @kernel
 def margins(pairs, pair_a, pair_b, floor_height, velocity, dt, quick, margin, swept):
-    """Writes for the first `pairs` how far apart the bodies of each pair are contacts: MARGIN and the way that they may approach in a step.
-    Without that way where one is quick and neither a floor: these are marked as swept. Returns how many are."""
+    """Writes for the first `pairs` how far apart the bodies of each are contacts: MARGIN and the way that they may
+    approach in a step; without that way where one is quick and neither a floor: these are marked as swept. Returns how
+    many are."""
     count = 0
     for k in range(pairs):
         a, b = pair_a[k], pair_b[k]
@@ -101,7 +102,7 @@ def find_boxes(count, position, axes, half, pair_a, pair_b, floor_height, level,
             found += near
         cross_edges(table, size, number, points, normal, point, separation, feature)
         cut_faces(table, size, number, points, normal, point, separation, feature, cut)
-        end, found = found, first
+        found = first
         for m in range(size):  # some that are near have no point within the margin
             i = number[m]
             if i < 0 or points[i] == 0:

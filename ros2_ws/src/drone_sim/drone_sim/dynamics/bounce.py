@@ -7,7 +7,27 @@ start and its acceleration a (Torricelli): so a bounce neither gains nor loses w
 import math
 
 from drone_sim.dynamics.constraints import (
-    ANCHOR, BOUNCE, FIELDS, GAP, IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, POINTS, THROWN, TOTAL, turn,
+    ANCHOR,
+    BOUNCE,
+    FIELDS,
+    GAP,
+    IMPULSE,
+    INERTIA_A,
+    INERTIA_B,
+    K01,
+    K02,
+    K03,
+    K12,
+    K13,
+    K23,
+    LANES,
+    LIGHT_A,
+    LIGHT_B,
+    MASS,
+    POINTS,
+    THROWN,
+    TOTAL,
+    turn,
 )
 from drone_sim.dynamics.solver import L2, L3, L4, L5, VELOCITY_B, gather, speed_of
 from drone_sim.kernel import inlined, kernel
@@ -115,7 +135,8 @@ def _throw_unit(t, k, a, b, moving, h):
     s0, s1 = speed_of(t, k, 0, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 1, apart, ax, ay, az, bx, by, bz)
     s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
     k01, k02, k03, k12, k13, k23 = t[K01 + k], t[K02 + k], t[K03 + k], t[K12 + k], t[K13 + k], t[K23 + k]
-    per0, per1, per2, per3 = _per(t[MASS + k]), _per(t[MASS + LANES + k]), _per(t[MASS + L2 + k]), _per(t[MASS + L3 + k])
+    per0, per1 = _per(t[MASS + k]), _per(t[MASS + LANES + k])
+    per2, per3 = _per(t[MASS + L2 + k]), _per(t[MASS + L3 + k])
     q0, q1, q2, q3 = 0.0, 0.0, 0.0, 0.0
     most = 0.0
     for _ in range(ROUNDS):

@@ -1,8 +1,8 @@
 """What the solver needs to know of each contact, worked out once a step.
 
-A unit is up to POINTS points of a manifold, with friction at one point, the centre of their pressure, and a torque about
-the normal beside it, instead of at every point (as box3d does): a third of the work, and right where the pressure is
-known from the step before. LANES units that share no moving body make a group, every number of all of them side by
+A unit is up to POINTS points of a manifold, with friction at one point, the centre of their pressure, and a torque
+about the normal beside it, instead of at every point (as Box3D does): a third of the work, and right where the pressure
+is known from the step before. LANES units that share no moving body make a group, every number of all of them side by
 side, so that the compiler takes them in one step: a table of FIELDS rows of LANES numbers.
 """
 
@@ -30,7 +30,9 @@ GAP, IMPULSE, TOTAL, THROWN, PUSHED_ALONG, PUSHED_ACROSS, TWISTED = (
 # Whether a unit is in a hurry, 1 or 0; and of those that are not, while their impulses are sought: the seven of a pass
 # before, and the direction in which they go.
 HURRY, BEFORE, DIRECTION = (LANES * row for row in (94, 95, 102))
-FIELDS = 109
+# How one impulse at all points alike changes the speed at each, and what meets their speeds in sum.
+ALIKE, COMMON = (LANES * row for row in (109, 113))
+FIELDS = 114
 COLOURS = 64  # as many as an integer has bits
 
 
@@ -198,6 +200,13 @@ def work_out(groups, table):
                                                   _feel(t, k, 0, 3, light, x, y, z))
             t[K12 + k], t[K13 + k], t[K23 + k] = (_feel(t, k, 1, 2, light, x, y, z), _feel(t, k, 1, 3, light, x, y, z),
                                                   _feel(t, k, 2, 3, light, x, y, z))
+            r0 = k0 * m0 + t[K01 + k] * m1 + t[K02 + k] * m2 + t[K03 + k] * m3
+            r1 = t[K01 + k] * m0 + k1 * m1 + t[K12 + k] * m2 + t[K13 + k] * m3
+            r2 = t[K02 + k] * m0 + t[K12 + k] * m1 + k2 * m2 + t[K23 + k] * m3
+            r3 = t[K03 + k] * m0 + t[K13 + k] * m1 + t[K23 + k] * m2 + k3 * m3
+            t[ALIKE + k], t[ALIKE + LANES + k], t[ALIKE + 2 * LANES + k], t[ALIKE + 3 * LANES + k] = r0, r1, r2, r3
+            total = r0 * m0 + r1 * m1 + r2 * m2 + r3 * m3
+            t[COMMON + k] = 1.0 / total if total > 0.0 else 0.0
         for k in range(lanes):
             p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
             p2, p3 = t[IMPULSE + 2 * LANES + k], t[IMPULSE + 3 * LANES + k]

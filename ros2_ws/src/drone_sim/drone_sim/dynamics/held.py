@@ -93,9 +93,10 @@ def meet(held, groups, body, table, position, orientation, velocity, angular, in
 
 @kernel
 def begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation, velocity, angular,
-          inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving, hurried, used, colours, size, unit,
-          body, table):
-    """Gets the contacts ready for the sub-steps; returns how many groups they make, -g if there is only room for less."""
+          inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving, hurried, used, colours, size,
+          unit, body, table):
+    """Gets the contacts ready for the sub-steps; returns how many groups they make, -g where there is no room for so
+    many."""
     ready(held, position, orientation, velocity, angular, inertia, radius, start, tensor, moving, hurried)
     colour(count, pair, points, inverse_mass, used, size[0], colours)
     groups = group(count, colours, size[0], size[1], unit)

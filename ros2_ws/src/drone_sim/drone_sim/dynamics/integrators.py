@@ -163,7 +163,8 @@ def move_midpoint(i, position, orientation, velocity, angular, h):
     nx, ny, nz = x + w * ax + z * ay - y * az, y + w * ay + x * az - z * ax, z + w * az + y * ax - x * ay
     nw = w - x * ax - y * ay - z * az
     norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = nx * norm, ny * norm, nz * norm, nw * norm
+    orientation[i, 0], orientation[i, 1] = nx * norm, ny * norm
+    orientation[i, 2], orientation[i, 3] = nz * norm, nw * norm
 
 
 @kernel

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
+from drone_sim.arrays import Floats
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.constraints import COLOURS, tables
 from drone_sim.dynamics.schemes import SCHEMES

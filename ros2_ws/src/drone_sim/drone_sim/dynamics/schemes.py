@@ -9,7 +9,14 @@ from drone_sim.dynamics.bounce import note
 from drone_sim.dynamics.constraints import take_back
 from drone_sim.dynamics.held import begin, meet, sort_out, take_speeds
 from drone_sim.dynamics.integrators import (
-    cayley, move, push_euler, push_midpoint, runge_kutta, spun_midpoint, to_body, to_world,
+    cayley,
+    move,
+    push_euler,
+    push_midpoint,
+    runge_kutta,
+    spun_midpoint,
+    to_body,
+    to_world,
 )
 from drone_sim.kernel import kernel
 from drone_sim.program import run_once
@@ -62,8 +69,8 @@ def semi_implicit_euler(function, address, steer, steer_address, clock, awake, e
         for k in range(1, 1 + free[0]):
             move(free[k], position, orientation, velocity, angular, h)
         if count:
-            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-                 gathered, bouncing, h, passes, False)
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
+                 moving, gathered, bouncing, h, passes, False)
     if count:
         take_back(groups, unit, points, table, impulse, friction, total)
     return 0
@@ -96,8 +103,8 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
-            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-                 gathered, bouncing, h, passes, True)
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
+                 moving, gathered, bouncing, h, passes, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 i = free[k]
@@ -153,8 +160,8 @@ def rk4(function, address, steer, steer_address, clock, awake, end, pair, points
         for k in range(1, 1 + held[0]):
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
-            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start, moving,
-                 gathered, bouncing, h, passes, True)
+            meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
+                 moving, gathered, bouncing, h, passes, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 keep_trial(free[k], position, orientation, velocity, angular, trial)

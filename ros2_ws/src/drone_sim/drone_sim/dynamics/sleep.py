@@ -10,6 +10,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.detection import Detection
+from drone_sim.collision.events import Touching, all_touches, touching
 from drone_sim.collision.manifold import PARTS, SWEPT
 from drone_sim.effects import Setting
 from drone_sim.kernel import kernel
@@ -92,7 +93,6 @@ class Sleep:
 
     @property
     def waking(self) -> Stage:
-        m = self._detection.manifolds
         return Stage("waking", disturbed, lambda: (self._detection.manifolds.end, self._detection.manifolds.pair,
                                                    self._detection.sleeping), self._wake_disturbed)
 
@@ -106,12 +106,11 @@ class Sleep:
                 s.landed, m.end, m.pair, model.bodies.movable, self._root, self._patience)
 
     @property
-    def touching(self) -> Integers:
-        """Pairs that touch in their sleep, a << 32 | b."""
+    def touching(self) -> Touching:
+        """Pairs that touch in their sleep."""
         if not len(self._part):
-            return self._part
-        pair: Integers = self._kept["pair"]
-        return pair[:, 0] << 32 | pair[:, 1]
+            return touching(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+        return touching(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
 
     def wake(self, bodies: Integers) -> None:
         """Wakes these bodies and their islands."""
@@ -176,7 +175,9 @@ class Sleep:
         self._set_awake(awake & ~asleep)
         rows = np.flatnonzero(asleep[m.pair[: m.end[SWEPT - 1]]].any(axis=1))
         part = np.searchsorted(m.end, rows, side="right")
-        kept = {name: getattr(m, name)[rows] for name in KEPT} | {"touch": np.zeros((len(rows), 5))}
+        touch = np.empty((m.count, 5))
+        all_touches(m.count, m.points, m.point_w, m.separation, m.total, touch)
+        kept = {name: getattr(m, name)[rows] for name in KEPT} | {"touch": touch[rows]}
         self._part = np.concatenate([self._part, part])
         self._kept = {name: np.concatenate([self._kept[name], array]) if self._kept else array
                       for name, array in kept.items()}

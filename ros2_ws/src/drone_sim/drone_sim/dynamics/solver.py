@@ -16,9 +16,9 @@ how many there are is a number that the compiler does not know: it would write e
 import math
 
 from drone_sim.dynamics.constraints import (
-    ACROSS, ALONG, ANCHOR, BEFORE, CENTRE_A, CENTRE_B, DIRECTION, FIELDS, FRICTION, GAP, HURRY, IMPULSE, INERTIA_A,
-    INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12, MASS_22,
-    PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START, TOTAL, TWISTED, TWIST_MASS, turn,
+    ACROSS, ALIKE, ALONG, ANCHOR, BEFORE, CENTRE_A, CENTRE_B, COMMON, DIRECTION, FIELDS, FRICTION, GAP, HURRY,
+    IMPULSE, INERTIA_A, INERTIA_B, K01, K02, K03, K12, K13, K23, LANES, LIGHT_A, LIGHT_B, MASS, MASS_11, MASS_12,
+    MASS_22, PUSHED_ACROSS, PUSHED_ALONG, RADIUS, START, TOTAL, TWISTED, TWIST_MASS, turn,
 )
 from drone_sim.kernel import inlined, kernel
 
@@ -100,20 +100,43 @@ def warm_start(groups, body, table, moving, s):
 
 
 @inlined
-def _impulse(t, k, p, speed, rate, scale, loss, per):
-    """The impulse at a point (k: its place in a row of four) that has had p and parts at this speed."""
-    # A gap may close within this sub-step, and no faster; an overlap is pushed apart. Without springs (rate 0) bodies
-    # have moved already: what has not met then will in the next sub-step.
-    gap, mass = t[GAP + k], t[MASS + k]
-    apart = gap > 0.0
+def _bias(t, k, rate, per):
+    """The speed at which a point (k: its place in a row of four) shall part: a gap may close within this sub-step, and
+    no faster; an overlap is pushed apart."""
+    gap = t[GAP + k]
     push = max(rate * gap, -PUSH_OUT_SPEED)
-    bias = gap * per if apart else push
+    return gap * per if gap > 0.0 else push
+
+
+@inlined
+def _impulse(t, k, p, common, speed, bias, rate, scale, loss):
+    """The impulse at a point that has had p, and `common` with all others, and parts at this speed."""
+    mass = t[MASS + k]
+    apart = t[GAP + k] > 0.0
     soft = mass * scale
     mass = mass if apart else soft
     mass = 0.0 if apart & (p == 0.0) & (rate == 0.0) else mass
     kept = p - loss * p
-    kept = p if apart else kept
-    return max((kept - mass * bias) - mass * speed, 0.0)
+    kept = (p if apart else kept) + common
+    return max(kept - mass * (speed + bias), 0.0)
+
+
+@inlined
+def _lacks(t, k, p, lack, rate):
+    """What a point lacks in speed; nothing without springs (rate 0), when bodies have moved already, if it has not met:
+    it will in the next sub-step."""
+    return 1.0 if (t[GAP + k] > 0.0) & (p == 0.0) & (rate == 0.0) else lack
+
+
+@inlined
+def _in_common(t, k, e0, e1, e2, e3):
+    """The impulse that all points of a unit get first if all of them meet: what falls flat is not turned by the order
+    in which its corners are met. e: by how much they should part faster, negative."""
+    m0, m1 = t[MASS + k] > 0.0, t[MASS + LANES + k] > 0.0
+    m2, m3 = t[MASS + L2 + k] > 0.0, t[MASS + L3 + k] > 0.0
+    all_meet = ((e0 < 0.0) | (not m0)) & ((e1 < 0.0) | (not m1)) & ((e2 < 0.0) | (not m2)) & ((e3 < 0.0) | (not m3))
+    total = (e0 if m0 else 0.0) + (e1 if m1 else 0.0) + (e2 if m2 else 0.0) + (e3 if m3 else 0.0)
+    return -total * t[COMMON + k] if all_meet else 0.0
 
 
 @inlined
@@ -163,16 +186,28 @@ def _press(t, s, k, rate, scale, loss, per):
     s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
     p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
     p2, p3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
-    n0 = _impulse(t, k, p0, s0, rate, scale, loss, per)
+    b0, b1 = _bias(t, k, rate, per), _bias(t, LANES + k, rate, per)
+    b2, b3 = _bias(t, L2 + k, rate, per), _bias(t, L3 + k, rate, per)
+    common = _in_common(t, k, _lacks(t, k, p0, s0 + b0, rate), _lacks(t, LANES + k, p1, s1 + b1, rate),
+                        _lacks(t, L2 + k, p2, s2 + b2, rate), _lacks(t, L3 + k, p3, s3 + b3, rate))
+    s0, s1 = s0 + common * t[ALIKE + k], s1 + common * t[ALIKE + LANES + k]
+    s2, s3 = s2 + common * t[ALIKE + L2 + k], s3 + common * t[ALIKE + L3 + k]
+    c0 = common if t[MASS + k] > 0.0 else 0.0
+    c1 = common if t[MASS + LANES + k] > 0.0 else 0.0
+    c2 = common if t[MASS + L2 + k] > 0.0 else 0.0
+    c3 = common if t[MASS + L3 + k] > 0.0 else 0.0
+    n0 = _impulse(t, k, p0, c0, s0, b0, rate, scale, loss)
     q0 = n0 - p0
-    s1, s2, s3 = s1 + t[K01 + k] * q0, s2 + t[K02 + k] * q0, s3 + t[K03 + k] * q0
-    n1 = _impulse(t, LANES + k, p1, s1, rate, scale, loss, per)
+    d = q0 - c0
+    s1, s2, s3 = s1 + t[K01 + k] * d, s2 + t[K02 + k] * d, s3 + t[K03 + k] * d
+    n1 = _impulse(t, LANES + k, p1, c1, s1, b1, rate, scale, loss)
     q1 = n1 - p1
-    s2, s3 = s2 + t[K12 + k] * q1, s3 + t[K13 + k] * q1
-    n2 = _impulse(t, L2 + k, p2, s2, rate, scale, loss, per)
+    d = q1 - c1
+    s2, s3 = s2 + t[K12 + k] * d, s3 + t[K13 + k] * d
+    n2 = _impulse(t, L2 + k, p2, c2, s2, b2, rate, scale, loss)
     q2 = n2 - p2
-    s3 = s3 + t[K23 + k] * q2
-    n3 = _impulse(t, L3 + k, p3, s3, rate, scale, loss, per)
+    s3 = s3 + t[K23 + k] * (q2 - c2)
+    n3 = _impulse(t, L3 + k, p3, c3, s3, b3, rate, scale, loss)
     q3 = n3 - p3
     t[IMPULSE + k], t[IMPULSE + LANES + k], t[IMPULSE + L2 + k], t[IMPULSE + L3 + k] = n0, n1, n2, n3
     s[UNMET + k] = (1.0 - hurry) * max(max(abs(q0) - ENOUGH * t[MASS + k], abs(q1) - ENOUGH * t[MASS + LANES + k]),
