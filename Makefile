@@ -32,13 +32,14 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-bench: $(VENV)/peers  ## against other libraries: collisions, pictures; then the whole graph; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside others; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
+	@$(RUN) bench/dynamics.py $(ARGS)
 	@$(RUN) bench/render.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
-hard-cases: $(VENV)/peers  ## millions of hard pairs, judged exactly (ten minutes); make hard-cases ARGS="--count 1000"
-	@$(RUN) bench/hard_cases.py $(ARGS)
+hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
+	@$(RUN) bench/hard_cases.py $(ARGS); reached=$$?; $(RUN) figures/motion_hard_cases.py; exit $$reached
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
@@ -46,12 +47,15 @@ figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
+	@$(RUN) figures/motion_hard_cases.py
 	@$(RUN) figures/effects.py
 	@$(RUN) figures/flight_models.py
 
-accuracy: build  ## measure what accuracy costs: tables, numbers and plots, in two minutes
+accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plots, in five minutes
 	@$(RUN) bench/accuracy.py
 	@$(RUN) figures/accuracy_plot.py
+	@$(RUN) bench/accuracy_motion.py
+	@$(RUN) figures/motion_accuracy_plot.py
 
 lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

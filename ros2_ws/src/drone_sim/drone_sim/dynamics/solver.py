@@ -39,6 +39,7 @@ from drone_sim.dynamics.unit import (
     WAY_A,
     WAY_B,
     follow,
+    give,
     press,
 )
 from drone_sim.kernel import inlined, kernel

@@ -81,7 +81,7 @@ def sum_of(t, at, q0, q1, q2, q3):
 
 @inlined
 def give(t, s, k, q0, q1, q2, q3, u, v, w):
-    """Gives both bodies the impulses q at the points along the normal, u, v along the tangents and w about the normal."""
+    """Gives both bodies impulses q at the points along the normal, u, v along the tangents and w about the normal."""
     a = ANCHOR + k
     apply(t, s, k, q0 + q1 + q2 + q3,
           sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3),
