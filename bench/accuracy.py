@@ -59,7 +59,7 @@ def detection_cost(flight: Flight, level: str) -> float:
         for state in flight.states:
             world.state.assign(state)
             start = time.thread_time_ns()
-            world.detection()
+            world.detect()
             spent += time.thread_time_ns() - start
         runs.append(spent / 1000 / len(flight.states))
     return statistics.median(runs)

@@ -88,7 +88,7 @@ def _octrees(detection: Detection, bodies: Integers, position: Floats, colours: 
 def _nodes(tree: Octree, root: int) -> list[int]:
     nodes = [root]
     for _ in range(DEPTH):
-        below = []
+        below: list[int] = []
         for node in nodes:
             first, children = tree.link[node, :2]
             below += range(first, first + children) if children else [node]
