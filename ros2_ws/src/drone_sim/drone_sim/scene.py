@@ -63,11 +63,11 @@ class OwnCollision(Strict):
 
 
 class Dynamics(Strict):
-    """How motion is integrated: the scheme, and how many times the contacts are solved within a step."""
+    """How motion is integrated, and how well contacts are met."""
 
-    integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"
-    substeps: Annotated[int, Field(ge=1, le=64)] = 8
-    passes: Annotated[int, Field(ge=1, le=1000)] = 50  # over all contacts in a sub-step, at most
+    integrator: Literal["semi_implicit_euler", "midpoint", "rk4"] = "midpoint"  # of order 1, 2, 4
+    substeps: Annotated[int, Field(ge=1, le=64)] = 8  # of a step: forces, contacts and motion happen in each
+    passes: Annotated[int, Field(ge=1, le=1000)] = 50  # over the calm contacts of a sub-step, at most
     sleep: bool = True  # whether what rests is left out until something touches it
 
 

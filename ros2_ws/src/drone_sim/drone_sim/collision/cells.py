@@ -191,7 +191,7 @@ def meet_others(low, high, bodies, count, home, per_metre, top, start, entry, pa
     return found, tried
 
 
-FEW = 24  # pairs up to which they are sorted one by one
+FEW = 24  # pairs up to which they are sorted one by one, bodies up to which each is asked about each other
 
 
 @kernel

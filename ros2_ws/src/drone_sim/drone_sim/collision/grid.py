@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision.cells import fill, fits, meet, meet_others, put_in_order
+from drone_sim.collision.cells import FEW, fill, fits, meet, meet_others, overlap, put_in_order
 from drone_sim.kernel import kernel
 
 SPREAD = 16.0  # sizes of one level differ by no more
@@ -66,18 +66,22 @@ def find_pairs(low, high, bodies, moving, planes, levels, static_top, static_sta
     home, count = marks[0], marks[1]
     if not stand(low, high, bodies, moving, levels, home):
         return NEW_LEVELS, 0, 0
-    top = 0
-    for k in range(moving):
-        top = max(top, home[bodies[k]])
     per_metre = levels[:, 1]
-    buckets = 64
-    while buckets < 2 * moving:
-        buckets *= 2
-    start = start[: buckets + 1]
-    entries = fill(low, high, bodies, moving, home, per_metre, top, start, bucket, listed, entry)
-    if entries > bucket.shape[0]:
-        return MORE_ENTRIES, entries, 0
-    found, tests = meet(start, entry, pair[0])
+    found = tests = 0
+    if moving <= FEW:
+        if moving * moving > pair.shape[1]:
+            return MORE_PAIRS, 2 * moving * moving, 0
+        for p in range(moving):
+            for q in range(p + 1, moving):
+                if overlap(low, high, bodies[p], bodies[q]):
+                    pair[0, found] = bodies[p] << 32 | bodies[q]
+                    found += 1
+        tests = moving * (moving - 1) // 2
+    else:
+        answer, found, tests = _meet_in_table(low, high, bodies, moving, home, per_metre, start, bucket, listed, entry,
+                                              pair)
+        if answer != DONE:
+            return answer, found, 0
     if found >= 0 and static_entry.shape[0]:
         found, more = meet_others(low, high, bodies, moving, home, per_metre, static_top[0], static_start, static_entry,
                                   pair[0], found)
@@ -89,6 +93,24 @@ def find_pairs(low, high, bodies, moving, planes, levels, static_top, static_sta
             pair[0, found] = plane << 32 | bodies[k]
             found += 1
     return DONE, put_in_order(low, high, pair[0], found, count, pair[1], ordered), tests
+
+
+@kernel
+def _meet_in_table(low, high, bodies, moving, home, per_metre, start, bucket, listed, entry, pair):
+    """Pairs of moving bodies among themselves, by way of the cells that they stand in; returns as `find_pairs`, -1
+    pairs if there is no room for them."""
+    top = 0
+    for k in range(moving):
+        top = max(top, home[bodies[k]])
+    buckets = 64
+    while buckets < 2 * moving:
+        buckets *= 2
+    start = start[: buckets + 1]
+    entries = fill(low, high, bodies, moving, home, per_metre, top, start, bucket, listed, entry)
+    if entries > bucket.shape[0]:
+        return MORE_ENTRIES, entries, 0
+    found, tests = meet(start, entry, pair[0])
+    return DONE, found, tests
 
 
 @kernel
