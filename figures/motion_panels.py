@@ -138,10 +138,9 @@ def twice(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     differ = sum(one["value"] for run in runs for one in run["reached"])
     axes = empty(figure, place, f"{differ:.0f} states differ", "time, s", "heights of crates and of the drone, m")
     for i in range(first.shape[1]):
-        label = {"label": "once"} if i == 0 else {}
-        axes.plot(t, first[:, i], color=style.FIRST, linewidth=2.6, alpha=0.55, **label)
-        label = {"label": "again"} if i == 0 else {}
-        axes.plot(t[::2], second[::2, i], ".", color=style.SECOND, markersize=3.4, **label)
+        once, again = ("once", "again") if i == 0 else (None, None)
+        axes.plot(t, first[:, i], color=style.FIRST, linewidth=2.6, alpha=0.55, label=once)
+        axes.plot(t[::2], second[::2, i], ".", color=style.SECOND, markersize=3.4, label=again)
 
 
 def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
