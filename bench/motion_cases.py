@@ -58,7 +58,8 @@ CASES = {
         "Ten bounces",
         "A crate falls flat from a metre, with restitution 1.",
         "energy within 1 % over ten bounces",
-        motion_contact.bounce, SCHEMES),
+        motion_contact.bounce, SCHEMES,
+        {Setting(integrator="semi_implicit_euler"): "a scheme of first order gets the height of each bounce wrong"}),
     "plate": Case(
         "Bullets and a thin plate",
         "Cubes of 5 cm are shot at plates of 1 cm from any side, at 1 to 1000 m/s, with 30 steps a second.",
