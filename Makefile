@@ -32,9 +32,10 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_house.py
 
-bench: $(VENV)/peers  ## collisions, motion and the whole graph beside other libraries; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside others; make bench ARGS="--quick"
 	@$(RUN) bench/collision.py $(ARGS)
 	@$(RUN) bench/dynamics.py $(ARGS)
+	@$(RUN) bench/render.py $(ARGS)
 	@$(RUN) bench/graph.py $(ARGS)
 
 hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
@@ -42,6 +43,8 @@ hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minut
 
 figures: build  ## draw the pictures and films of the documentation anew
 	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
+	@$(RUN) figures/picture.py
+	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
 	@$(RUN) figures/hard_cases.py
 	@$(RUN) figures/motion_hard_cases.py

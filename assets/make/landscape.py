@@ -38,7 +38,8 @@ def shore(rng: np.random.Generator) -> Texture:
     cover = smoothstep(0.42, 0.56, edge)
     cover = np.where(down < 0.05, 1.0, np.where(down > 0.95, 0.0, cover))
     both = mix(SAND[0], SAND[1], beach), mix(GRASS[0], GRASS[1], meadow)
-    return both[0] + (both[1] - both[0]) * cover[..., None], None
+    ripples = _relief(rng, size)
+    return both[0] + (both[1] - both[0]) * cover[..., None], ripples
 
 
 def path(rng: np.random.Generator) -> Texture:
@@ -54,7 +55,8 @@ def path(rng: np.random.Generator) -> Texture:
     gravel = gravel * (0.90 + 0.10 * smoothstep(0.0, 0.10, ruts))[..., None]
     edge = np.abs(across - 0.5) * 2 + 0.30 * (fractal(rng, size, 4, 8, 5, 0.6) - 0.5)
     cover = np.maximum(smoothstep(0.70, 0.86, edge), smoothstep(0.90, 0.97, np.abs(across - 0.5) * 2))
-    return gravel + (mix(GRASS[0], GRASS[1], meadow) - gravel) * cover[..., None], None
+    stones = 3 * smoothstep(0.0, 0.35, second - pebbles) * (1 - cover) + 2 * fractal(rng, size, 32, octaves=2) * cover
+    return gravel + (mix(GRASS[0], GRASS[1], meadow) - gravel) * cover[..., None], stones
 
 
 def rock(rng: np.random.Generator) -> Texture:
@@ -88,7 +90,7 @@ def leaves(rng: np.random.Generator) -> Texture:
         leaf = smoothstep(0.0, 0.5, second - near) * shade
         total = np.where(leaf > top, shade * (0.55 + 0.45 * smoothstep(0, 0.4, second - near)), total)
         top = np.maximum(top, leaf)
-    return mix((0.07, 0.17, 0.06), (0.56, 0.70, 0.30), np.clip(total, 0, 1)), None
+    return mix((0.07, 0.17, 0.06), (0.56, 0.70, 0.30), np.clip(total, 0, 1)), 4 * total
 
 
 def frond(rng: np.random.Generator) -> Texture:
@@ -101,7 +103,7 @@ def frond(rng: np.random.Generator) -> Texture:
     rib = smoothstep(0.10, 0.03, side)
     share = np.clip(0.25 + 0.45 * groove + 0.30 * value_noise(rng, size, 34, 2) - 0.12 * side, 0, 1)
     colour = mix((0.10, 0.27, 0.07), (0.55, 0.70, 0.26), share)
-    return colour + (np.array([0.72, 0.74, 0.42]) - colour) * rib[..., None], None
+    return colour + (np.array([0.72, 0.74, 0.42]) - colour) * rib[..., None], 2 * groove + 3 * rib
 
 
 def clouds(rng: np.random.Generator) -> Texture:
@@ -112,6 +114,44 @@ def clouds(rng: np.random.Generator) -> Texture:
     cover = smoothstep(0.47, 0.75, 0.75 * base + 0.25 * billow)
     shade = smoothstep(0.55, 0.95, base)
     return np.dstack([mix((1.0, 1.0, 1.0), (0.84, 0.87, 0.92), shade), cover]), None
+
+
+def horizon(rng: np.random.Generator) -> Texture:
+    """The sky's colours: from the horizon below to the zenith above, from night at the left to day at the right."""
+    size = 64
+    down, across = pixels(size)
+    rise = 1 - down
+    times = (0.0, 0.22, 0.45, 1.0)
+    night = ((0.055, 0.075, 0.135), (0.030, 0.045, 0.100), (0.012, 0.018, 0.055))
+    dusk = ((0.42, 0.24, 0.26), (0.20, 0.16, 0.30), (0.05, 0.07, 0.19))
+    low = ((0.98, 0.66, 0.42), (0.74, 0.58, 0.58), (0.24, 0.34, 0.58))
+    day = ((0.76, 0.86, 0.94), (0.46, 0.65, 0.88), (0.20, 0.42, 0.77))
+    steps = np.array([[np.interp(rise[:, 0], (0.0, 0.45, 1.0), [colour[i] for colour in time]) for i in range(3)]
+                      for time in (night, dusk, low, day)])
+    colour = np.stack([[np.interp(across[row], times, steps[:, i, row]) for i in range(3)] for row in range(size)])
+    return np.moveaxis(colour, 1, 2), None
+
+
+def stars(rng: np.random.Generator) -> Texture:
+    """A clear night: many faint stars, a few bright ones, and a band of haze."""
+    size = 512
+    down, across = pixels(size)
+    haze = fractal(rng, size, 4, octaves=6, gain=0.6) * (0.5 + 0.5 * np.cos(2 * np.pi * (down + across))) ** 3
+    colour = mix((0.0, 0.0, 0.0), (0.16, 0.17, 0.24), haze)
+    for _ in range(900):
+        row, column = rng.integers(0, size, 2)
+        bright = 0.25 + 0.75 * rng.random() ** 5
+        tint = mix((1.0, 0.82, 0.66), (0.78, 0.88, 1.0), rng.random(1))[0]
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                spot = bright * np.exp(-1.3 * (i * i + j * j) / (0.35 + bright))
+                colour[(row + i) % size, (column + j) % size] += spot * tint
+    return np.minimum(colour, 1.0), None
+
+
+def _relief(rng: np.random.Generator, size: int) -> Array:
+    """Tufts and ripples, low."""
+    return 2.5 * fractal(rng, size, 24, octaves=3)
 
 
 def _meadow(rng: np.random.Generator, size: int) -> tuple[Array, Array]:

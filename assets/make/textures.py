@@ -14,9 +14,9 @@ MAKERS: dict[str, Callable[[np.random.Generator], Texture]] = {
     maker.__name__: maker
     for maker in (
         *(landscape.grass, landscape.sand, landscape.shore, landscape.path, landscape.rock, landscape.bark),
-        *(landscape.leaves, landscape.frond, landscape.clouds),
+        *(landscape.leaves, landscape.frond, landscape.clouds, landscape.horizon, landscape.stars),
         *(workshop.wood, workshop.planks, workshop.cobbles, workshop.bricks, workshop.roof_tiles, workshop.plaster),
-        *(workshop.metal, workshop.fabric, workshop.test_card),
+        *(workshop.metal, workshop.enamel, workshop.panels, workshop.weave, workshop.fabric, workshop.test_card),
     )
 }
 

@@ -105,7 +105,44 @@ def plaster(rng: np.random.Generator) -> Texture:
 def metal(rng: np.random.Generator) -> Texture:
     """Brushed along u; grey, materials tint it."""
     size = 128
-    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), fractal(rng, size, 2, 64, 2)), None
+    grooves = fractal(rng, size, 2, 64, 2)
+    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), grooves), 0.9 * grooves
+
+
+def enamel(rng: np.random.Generator) -> Texture:
+    """Paint or plastic, as good as smooth; white, materials tint it."""
+    size = 128
+    orange_peel = fractal(rng, size, 12, octaves=3)
+    return mix((0.95, 0.95, 0.95), (1.0, 1.0, 1.0), fractal(rng, size, 6, octaves=4)), 1.3 * orange_peel
+
+
+def panels(rng: np.random.Generator) -> Texture:
+    """A moulded shell: plates with seams and rivets; nearly white, materials tint it."""
+    size = 256
+    down, across = pixels(size)
+    row = np.minimum((down * 3).astype(int), 2)
+    column = np.minimum(((across + 0.5 / 3 * (row % 2)) % 1 * 3).astype(int), 2)
+    x, y = (across + 0.5 / 3 * (row % 2)) * 3 % 1, down * 3 % 1
+    edge = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y))
+    plate = smoothstep(0.0, 0.05, edge)
+    rivet = np.zeros((size, size))
+    for spot_x in (0.12, 0.5, 0.88):
+        for spot_y in (0.12, 0.88):
+            rivet = np.maximum(rivet, smoothstep(0.035, 0.015, np.hypot(x - spot_x, y - spot_y)))
+    shade = rng.uniform(0.93, 1.0, (3, 3))[row, column]
+    colour = (0.62 + 0.38 * plate) * shade * (1 - 0.18 * rivet) * (0.97 + 0.03 * fractal(rng, size, 8, octaves=4))
+    return np.repeat(np.clip(colour, 0, 1)[..., None], 3, axis=2), 5.0 * plate + 2.5 * rivet
+
+
+def weave(rng: np.random.Generator) -> Texture:
+    """Twill of carbon fibre; nearly white, materials tint it."""
+    size, threads = 128, 8
+    down, across = pixels(size)
+    x, y = across * threads, down * threads
+    warp = (x.astype(int) + y.astype(int)) % 4 < 2
+    arch = np.where(warp, np.sin(np.pi * (x % 1)), np.sin(np.pi * (y % 1)))
+    share = np.clip(np.where(warp, 0.85, 0.45) * (0.5 + 0.5 * arch) + 0.1 * fractal(rng, size, 16, octaves=2), 0, 1)
+    return mix((0.55, 0.55, 0.55), (1.0, 1.0, 1.0), share), 2.2 * arch
 
 
 def fabric(rng: np.random.Generator) -> Texture:

@@ -4,13 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from geometry_msgs.msg import Twist, Vector3
 from live import Graph, Spawn
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
-from std_srvs.srv import Trigger
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
 
 MEADOW = Path(__file__).with_name("meadow.yaml")
 
@@ -67,3 +69,47 @@ def test_a_picture_is_saved_on_request(graph: Graph) -> None:
     with PillowImage.open(answer.message) as saved:
         assert saved.format == "PNG"
         assert saved.size == (640, 480)
+
+
+def test_depth_and_labels_come_with_the_names_of_what_they_show(graph: Graph) -> None:
+    depths = graph.listen(Image, "camera/chase/depth/image_raw", qos_profile_sensor_data)
+    labels = graph.listen(Image, "camera/chase/segmentation/image_raw", qos_profile_sensor_data)
+    names = graph.listen(String, "camera/labels", QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    graph.wait_for(lambda: names and set(stamps(depths)) & set(stamps(labels)), "both of one moment, and names")
+    known = yaml.safe_load(names[0].data)
+    stamp = min(set(stamps(depths)) & set(stamps(labels)))
+    depth, label = (np.frombuffer(images[stamps(images).index(stamp)].data, kind).reshape(480, 640)
+                    for images, kind in ((depths, np.float32), (labels, np.uint16)))
+    assert (depths[0].encoding, labels[0].encoding) == ("32FC1", "16UC1")
+    shown = {known[number] for number in np.unique(label).tolist() if number}
+    assert "user_drone" in shown and len(shown) > 1
+    drone = next(number for number, name in known.items() if name == "user_drone")
+    assert 1.0 < depth[label == drone].min() < 4.0
+    assert np.isfinite(depth[label > 0]).all()
+
+
+def test_a_camera_is_added_while_it_runs(graph: Graph) -> None:
+    images = graph.listen(Image, "camera/side/image_raw", qos_profile_sensor_data)
+    add = graph.publisher(String, "camera/add")
+    graph.wait_for(lambda: add.get_subscription_count(), "somebody who adds cameras")
+    add.publish(String(data="side: {parent: nobody}"))  # refused; the next one is not
+    add.publish(String(data="side: {parent: user_drone, pose: [-2, 1, 1], size: [64, 48]}"))
+    graph.wait_for(lambda: images, "a picture of the new camera")
+    assert (images[0].width, images[0].height, images[0].header.frame_id) == (64, 48, "side_optical")
+    assert picture(images[0]).std() > 5
+
+
+def test_the_debug_view_is_toggled(graph: Graph) -> None:
+    images = graph.listen(Image, "camera/wide/image_raw", qos_profile_sensor_data)
+
+    def coloured(image: Image) -> int:
+        """How many pixels have a colour that only lines have."""
+        red, green, _ = np.moveaxis(picture(image).astype(int), 2, 0)
+        return int(((red > green + 60) | (green > red + 60)).sum())
+
+    graph.wait_for(lambda: images, "a frame")
+    before = coloured(images[-1])
+    assert graph.call(SetBool, "drone_render/show_debug", SetBool.Request(data=True)).success
+    graph.wait_for(lambda: coloured(images[-1]) > before + 100, "lines in the picture")
+    assert graph.call(SetBool, "drone_render/show_debug", SetBool.Request(data=False)).success
+    graph.wait_for(lambda: coloured(images[-1]) < before + 50, "a picture without them")

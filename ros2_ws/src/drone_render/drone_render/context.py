@@ -82,8 +82,8 @@ class Device:
         return texture
 
     def plain_texture(self, size: tuple[int, int], values: npt.NDArray[np.uint8]) -> moderngl.Texture:
-        """A texture of one number a pixel that is not repeated, without mip maps; the bottom row comes first."""
-        texture = self.context.texture(size, 1, values.tobytes(), alignment=1)
+        """A texture of one number or colour a pixel, without repetition and mip maps; the bottom row comes first."""
+        texture = self.context.texture(size, values.size // (size[0] * size[1]), values.tobytes(), alignment=1)
         texture.filter = moderngl.LINEAR, moderngl.LINEAR
         texture.repeat_x = texture.repeat_y = False
         self._releases.append(texture.release)
@@ -105,12 +105,28 @@ class Device:
         self._releases.append(array.release)
         return array
 
+    def instances(
+        self, program: moderngl.Program, attributes: Iterable[tuple[moderngl.Buffer, str, str, str, str]]
+    ) -> moderngl.VertexArray:
+        """What a program draws once for each row of the buffers; attributes as moderngl has them."""
+        array = self.context.vertex_array(program, list(attributes))
+        self._releases.append(array.release)
+        return array
+
     def target(self, size: tuple[int, int], components: int = 4, dtype: str = "f1") -> moderngl.Framebuffer:
         """Colour and depth of a picture."""
         colour, depth = self.context.renderbuffer(size, components, dtype=dtype), self.context.depth_renderbuffer(size)
         target = self.context.framebuffer([colour], depth)
         self._releases += [colour.release, depth.release, target.release]
         return target
+
+    def textured_target(self, size: tuple[int, int]) -> tuple[moderngl.Framebuffer, moderngl.Texture]:
+        """Colour and depth of a picture whose colours, with alpha, a program will read pixel by pixel."""
+        texture, depth = self.context.texture(size, 4), self.context.depth_renderbuffer(size)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        target = self.context.framebuffer([texture], depth)
+        self._releases += [texture.release, depth.release, target.release]
+        return target, texture
 
     def release(self) -> None:
         """Gives back everything, the youngest first."""
@@ -119,6 +135,13 @@ class Device:
             self._releases.pop()()
         self.programs.clear()
         self._textures.clear()
+
+
+def samplers(program: moderngl.Program, **units: int) -> None:
+    """Tells the program, as far as it has such samplers, where its textures are."""
+    for name, unit in units.items():
+        if program.get(name, None) is not None:
+            program[name] = unit
 
 
 def write(program: moderngl.Program, **uniforms: npt.ArrayLike) -> None:

@@ -89,3 +89,30 @@ class Film:
         images = [Image.frombytes("RGB", self.size, pixels).quantize(256) for pixels in self._pictures()]
         if images:
             images[0].save(self.path, save_all=True, append_images=images[1:], duration=1000 / self._rate, loop=0)
+
+
+class Reel:
+    """A film that begins with its first picture, and keeps the size of that; `path` is empty where none is made."""
+
+    def __init__(self, path: str, rate: int) -> None:
+        self.path, self.rate = path, rate
+        self._film: Film | None = None
+
+    def add(self, size: tuple[int, int], pixels: bytes) -> None:
+        """Takes one picture of any size. Raises FilmError, after which none is made."""
+        try:
+            if self._film is None:
+                self._film = Film(Path(self.path), size, self.rate)
+            if size != self._film.size:
+                pixels = Image.frombytes("RGB", size, pixels).resize(self._film.size).tobytes()
+            self._film.add(pixels)
+        except FilmError:
+            self.path, self._film = "", None
+            raise
+
+    def close(self) -> str:
+        """Finishes the film, if there is one, and says what is in it. Raises FilmError."""
+        if self._film is None:
+            return ""
+        self._film.close()
+        return f"{self._film.frames} pictures in {self._film.path}"

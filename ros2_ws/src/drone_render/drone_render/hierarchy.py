@@ -5,11 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from drone_render import daylight
 from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
 LIGHTS = 4  # that a surface is lit by beside the parallel one, at most
-DARK = 1 / 64  # of a light's brightness; where less than that is left, it has ended
+DARK = 1 / 128  # of a light's brightness; where less than that is left, it has ended
 UNSEEN = 1 / 255  # a light that adds less is not computed
 PARALLEL = 200.0  # m from the origin, beyond which a light without reach has parallel rays
 
@@ -65,45 +66,60 @@ class Lighting:
         lights = list(hierarchy.scene.lights.values())
         self._hierarchy = hierarchy
         self._parents = [light.parent for light in lights]
-        self._offsets = np.array([pose(light.pose)[:3] for light in lights]).reshape(-1, 3)
+        self._offsets = matrices(np.array([pose(light.pose) for light in lights]).reshape(-1, 7))
+        edges = np.cos([np.pi if light.beam is None else light.beam for light in lights])
+        self.beams = any(light.beam is not None for light in lights)
+        """Whether any light shines one way only."""
+        self._edges = edges.reshape(-1)
         self.colours = np.array([light.colour for light in lights]).reshape(-1, 3)
         self.colours *= np.array([light.intensity for light in lights]).reshape(-1, 1)
         self.falloff = np.array([0.0 if light.reach is None else light.reach**-2 for light in lights])
         # What ends at DARK is stretched so that it starts at 1.
         self.colours *= np.where(self.falloff > 0, 1 / (1 - DARK), 1.0)[:, None]
         sun = self.sun()
-        far = sun is not None and self._parents[sun] is None and np.linalg.norm(self._offsets[sun]) > PARALLEL
+        far = sun is not None and self._parents[sun] is None and np.linalg.norm(self._offsets[sun, :3, 3]) > PARALLEL
         self.parallel = sun if far else None
         """The sun, if it is so far away that its rays are parallel: drawn apart from the other lights."""
-        self._cut = np.where(self.falloff > 0, DARK, 0.0)
+        if self.parallel is not None:
+            self.colours[self.parallel] *= daylight.sun(hierarchy.scene.render.daylight)
+        self._cut = np.where(self.falloff > 0, DARK, 0.0)  # taken off, so that a light ends somewhere
         self.lit = np.array(
             [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
             dtype=np.bool_,
         ).reshape(len(hierarchy.names), len(lights))
         """(objects, lights): False for the lights of an object itself and of whatever it hangs on."""
 
-    @property
-    def cut(self) -> Array:
-        """What is taken off each light's brightness, (lights,), so that it ends at a finite distance."""
-        return self._cut
+    def places(self, world: Array) -> Array:
+        """Matrices (lights, 4, 4) of all lights in the world."""
+        parents = [self._hierarchy.place(world, parent) for parent in self._parents]
+        return np.array(parents).reshape(-1, 4, 4) @ self._offsets
 
-    def positions(self, world: Array) -> Array:
-        """Of all lights in the world, (lights, 3)."""
-        places = [self._hierarchy.place(world, parent) for parent in self._parents]
-        return np.array(
-            [place[:3, :3] @ offset + place[:3, 3] for place, offset in zip(places, self._offsets, strict=True)]
-        ).reshape(-1, 3)
+    def uniforms(self, places: Array) -> npt.NDArray[np.float32]:
+        """What the shaders take of each light, (lights, 8), or (lights, 12) where there are beams; see lights.glsl."""
+        columns = [places[:, :3, 3], self.falloff, self.colours, self._cut]
+        if self.beams:
+            # Full along the beam, nothing from its edge on; what shines all around has no axis.
+            scale = np.where(self._edges > -1, 1 / np.maximum(1 - self._edges, 1e-9), 0.0)
+            columns += [-places[:, :3, 0] * scale[:, None], np.where(self._edges > -1, -self._edges * scale, 1.0)]
+        return np.column_stack(columns).astype(np.float32)
 
     def strongest(
-        self, positions: Array, rows: npt.NDArray[np.intp], centres: Array, radii: Array
+        self, places: Array, rows: npt.NDArray[np.intp], centres: Array, radii: Array
     ) -> Sequence[tuple[int, ...]]:
         """For each sphere (centres (n, 3), radii (n,)) of the objects `rows`, the brightest first: LIGHTS at most.
 
-        The parallel one is not among them.
+        places: of the lights. The parallel one is not among them, nor any whose beam misses the sphere.
         """
-        away = np.linalg.norm(centres[:, None] - positions[None], axis=2) - radii[:, None]
+        way = centres[:, None] - places[None, :, :3, 3]
+        distance = np.linalg.norm(way, axis=2)
+        away = distance - radii[:, None]
         left = 1 / (1 + np.square(np.maximum(away, 0.0)) * self.falloff) - self._cut
         strength = np.where(self.lit[rows], left * self.colours.max(axis=1, initial=0.0), 0.0)
+        if self.beams:
+            distance = np.maximum(distance, 1e-9)
+            turn = np.arccos(np.clip(np.einsum("nli,li->nl", way, places[:, :3, 0]) / distance, -1, 1))
+            nearest = turn - np.arcsin(np.minimum(radii[:, None] / distance, 1.0))
+            strength = np.where((away > 0) & (nearest >= np.arccos(self._edges)), 0.0, strength)
         if self.parallel is not None:
             strength[:, self.parallel] = 0.0
         order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]

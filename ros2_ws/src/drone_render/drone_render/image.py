@@ -13,14 +13,18 @@ from drone_sim.look import Camera
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
 
 
-class Picture:
-    """The bytes of a sensor_msgs/Image, rgb8, first row on top. `buffer[offset:]` are its pixels."""
+BYTES = {"rgb8": 3, "32FC1": 4, "16UC1": 2}  # of a pixel, by its encoding
 
-    def __init__(self, size: tuple[int, int], frame: str) -> None:
+
+class Picture:
+    """The bytes of a sensor_msgs/Image, first row on top. `buffer[offset:]` are its pixels."""
+
+    def __init__(self, size: tuple[int, int], frame: str, encoding: str = "rgb8") -> None:
         self.width, self.height = size
-        step, length = 3 * self.width, 3 * self.width * self.height
+        step = BYTES[encoding] * self.width
+        length = step * self.height
         layout = Layout().header(frame).uint32(self.height).uint32(self.width)
-        layout.string("rgb8").uint8(0).uint32(step).uint32(length)
+        layout.string(encoding).uint8(0).uint32(step).uint32(length)
         head = bytes(layout.message())
         self.offset = len(head)
         self.buffer = bytearray(head + bytes(length))
@@ -31,7 +35,7 @@ class Picture:
         return bytes(self.buffer)
 
     def pixels(self) -> bytes:
-        """The pixels alone: rows from the top, each of width x 3 bytes."""
+        """The pixels alone: rows from the top."""
         return bytes(memoryview(self.buffer)[self.offset :])
 
 

@@ -24,7 +24,8 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 from drone_render import context
-from drone_render.film import Film, FilmError
+from drone_render.debug_view import DebugView
+from drone_render.film import FilmError, Reel
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.schedule import Due, Schedule
@@ -46,12 +47,13 @@ class RenderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("drone_render")
-        self._film_path = self._text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
-        self._film_rate = self.declare_parameter(
+        film = self._text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
+        rate = self.declare_parameter(
             "film_rate", 30,
             ParameterDescriptor(description="pictures per simulated second of the film", read_only=True,
                                 integer_range=[IntegerRange(from_value=1, to_value=240, step=1)]),
         ).get_parameter_value().integer_value  # fmt: skip
+        self._reel = Reel(film, rate)
         self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
         self._image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
 
@@ -60,11 +62,11 @@ class RenderNode(Node):
         self._changed = threading.Condition()
         self._wanted_scene: SceneMessage | None = None
         self._requests: list[Request] = []
+        self._added: list[str] = []
         self._schedule: Schedule | None = None
         # States that come while the scene is being loaded; a film begins with the first of them.
-        self._early: deque[Transforms] = deque(maxlen=EARLY if self._film_path else 1)
+        self._early: deque[Transforms] = deque(maxlen=EARLY if film else 1)
         self._renderer: Renderer | None = None
-        self._film: Film | None = None
         self._hash = ""
         self._selected = ""
         self._shutters: dict[str, Shutter] = {}
@@ -75,7 +77,10 @@ class RenderNode(Node):
         self.create_subscription(SceneMessage, "scene", self._on_scene, LATCHED)
         self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
         self.create_subscription(String, "camera/select", self._on_select, LATCHED)
+        self.create_subscription(String, "camera/add", self._on_add, 10)
         self.create_service(Trigger, "~/save_image", self._on_save_image)
+        self._debug = DebugView(self)
+        self._names = self.create_publisher(String, "camera/labels", LATCHED)
         self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -117,6 +122,11 @@ class RenderNode(Node):
             known = ", ".join(self._shutters) or "none"
             self.get_logger().warning(f"camera/select: no camera '{name}'; there are {known}")
 
+    def _on_add(self, message: String) -> None:
+        with self._changed:
+            self._added.append(message.data)
+            self._changed.notify()
+
     def _on_save_image(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         request = Request()
         with self._changed:
@@ -155,14 +165,17 @@ class RenderNode(Node):
             with self._changed:
                 now = time.monotonic()
                 wait = None if self._schedule is None else self._schedule.wait(now)
-                if self._wanted_scene is None and not self._requests and wait != 0.0:
+                if self._wanted_scene is None and not self._requests and not self._added and wait != 0.0:
                     self._changed.wait(min(0.1 if wait is None else wait, 0.1))
                 wanted, self._wanted_scene = self._wanted_scene, None
                 requests, self._requests = self._requests, []
+                added, self._added = self._added, []
                 due = None if self._schedule is None else self._schedule.pop(time.monotonic())
             if wanted is not None and wanted.hash != self._hash:
                 self._switch(wanted)
                 continue
+            for text in added:
+                self._add(text)
             for request in requests:
                 self._answer(request)
             if due is not None:
@@ -174,16 +187,15 @@ class RenderNode(Node):
         """Finishes the film with what is left of it, in FINISH_WITHIN s if in a hurry; gives the device back."""
         self._publishing.shutdown()
         until = np.inf
-        schedule = self._schedule if self._film_path else None
+        schedule = self._schedule if self._reel.path else None
         try:
             while schedule and time.monotonic() < until and (due := schedule.pop(np.inf)):
                 due.live = False
                 self._draw(due)
                 if hurry.is_set() and until == np.inf:
                     until = time.monotonic() + FINISH_WITHIN
-            if self._film is not None:
-                self._film.close()
-                print(f"drone_render: {self._film.frames} pictures in {self._film.path}", flush=True)
+            if made := self._reel.close():
+                print(f"drone_render: {made}", flush=True)
         except FilmError as error:
             print(f"drone_render: {error}", flush=True)
         if self._renderer is not None:
@@ -205,7 +217,7 @@ class RenderNode(Node):
         old, self._renderer, self._hash = self._renderer, renderer, message.hash
         if old is not None:
             old.release()
-        film = float(self._film_rate) if self._film_path else None
+        film = float(self._reel.rate) if self._reel.path else None
         hierarchy = renderer.hierarchy
         self._published.result()
         for shutter in self._shutters.values():
@@ -220,9 +232,35 @@ class RenderNode(Node):
             if self._wanted_camera:
                 self._select(self._wanted_camera)
         self._tf_static.publish(rigid_transforms(scene.cameras))
+        self._names.publish(String(data="".join(f"{i}: {name}\n" for i, name in enumerate(scene.objects, 1))))
         self.get_logger().info(f"scene {scene.name}: cameras {', '.join(scene.cameras) or 'none'}")
 
+    def _add(self, text: str) -> None:
+        """More cameras, as a scene words them; a broken word changes nothing."""
+        if self._renderer is None:
+            self.get_logger().error("camera/add: there is no scene yet")
+            return
+        old = self._renderer.scene.cameras
+        try:
+            self._renderer.adopt(self._renderer.scene.with_cameras(text))
+        except ValueError as error:
+            self.get_logger().error(f"camera/add: {error}")
+            return
+        cameras = self._renderer.scene.cameras
+        self._published.result()
+        with self._changed:
+            for name, camera in cameras.items():
+                if camera is not old.get(name):
+                    if name in self._shutters:
+                        self._shutters[name].close()
+                    self._shutters[name] = Shutter(self, name, camera)
+            self._selected = self._selected or next(iter(self._shutters), "")
+        self._tf_static.publish(rigid_transforms(cameras))
+
     def _draw(self, due: Due) -> None:
+        changed, lines = self._debug.take()
+        if changed and self._renderer is not None:
+            self._renderer.show(lines)
         poses = due.moment.poses()
         for name, shutter in self._shutters.items():
             filmed = due.film and name == self._selected
@@ -230,6 +268,8 @@ class RenderNode(Node):
                 self._take(name, shutter, poses, due.moment.stamp, due.live)
             if filmed:
                 self._expose(shutter.picture)
+            if due.live and shutter.measured():
+                self._measure(name, shutter, poses, due.moment.stamp)
 
     def _take(self, name: str, shutter: Shutter, poses: Array, stamp: int, live: bool) -> None:
         """Draws one picture and, if it is live, publishes it."""
@@ -243,19 +283,20 @@ class RenderNode(Node):
             self._published.result()
             self._published = self._publishing.submit(shutter.publish, stamp, place, shutter.picture.message(stamp))
 
+    def _measure(self, name: str, shutter: Shutter, poses: Array, stamp: int) -> None:
+        """Draws how far away everything is, and what it is; publishes both."""
+        assert self._renderer is not None
+        place = self._renderer.measure(name, poses, stamp / SECOND, shutter.depth, shutter.labels)
+        messages = shutter.depth.message(stamp), shutter.labels.message(stamp)
+        self._published.result()
+        self._published = self._publishing.submit(shutter.publish_ranges, stamp, place, *messages)
+
     def _expose(self, picture: Picture) -> None:
-        """Adds a picture to the film, whose size is that of its first one."""
-        size = picture.width, picture.height
-        pixels = picture.pixels()
+        """Adds a picture to the film."""
         try:
-            if self._film is None:
-                self._film = Film(Path(self._film_path), size, self._film_rate)
-            if size != self._film.size:
-                pixels = PillowImage.frombytes("RGB", size, pixels).resize(self._film.size).tobytes()
-            self._film.add(pixels)
+            self._reel.add((picture.width, picture.height), picture.pixels())
         except FilmError as error:
             self.get_logger().error(f"film: {error}; no film is made")
-            self._film_path, self._film = "", None
             with self._changed:
                 if self._schedule is not None:
                     self._schedule.end_film()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drone_render.film import Film, FilmError
+from drone_render.film import Film, FilmError, Reel
 
 SIZE = (64, 48)
 
@@ -45,3 +45,13 @@ def test_what_cannot_be_a_film_is_said_in_one_line(tmp_path: Path, name: str, si
         Film(tmp_path / name, size, 30)
     assert name in str(caught.value) or "taken" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_reel_keeps_the_size_of_its_first_picture(tmp_path: Path) -> None:
+    reel = Reel(str(tmp_path / "run.gif"), 10)
+    reel.add(SIZE, pictures(1)[0])
+    reel.add((32, 24), bytes(32 * 24 * 3))
+    assert reel.close() == f"2 pictures in {tmp_path / 'run.gif'}"
+    with Image.open(tmp_path / "run.gif") as image:
+        assert image.size == SIZE and image.n_frames == 2  # type: ignore[attr-defined]
+    assert Reel("", 10).close() == ""

@@ -1,7 +1,5 @@
 """What is in the picture, and what is in the programs that draw it."""
 
-from collections.abc import Callable
-
 import moderngl
 import numpy as np
 import pytest
@@ -9,13 +7,12 @@ import pytest
 from drone_render import view
 from drone_render.context import Device
 from drone_render.hierarchy import Hierarchy, Lighting
-from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_render.shore import survey
 from drone_sim import mesh
-from drone_sim.scene import Scene
 
-Make = Callable[[str], Scene]
+from .drawing import Make, draw
+
 DARK = "render: {ambient: [0, 0, 0]}\n"
 EVERYTHING = """
 render: {sky: {clouds: clouds}, water: {}, normal_mapping: {}, specular: {}}
@@ -30,15 +27,6 @@ lights:
 cameras:
   front: {size: [160, 120], pose: [0, 0, 1, 0, 0.1, 0]}
 """
-
-
-def draw(scene: Scene, graphics: moderngl.Context, camera: str = "front", time: float = 0.0) -> np.ndarray:
-    """The picture, (height, width, 3) uint8, of a scene as it starts."""
-    width, height = scene.cameras[camera].size
-    picture = Picture((width, height), camera)
-    with Renderer(scene, graphics) as renderer:
-        renderer.draw(camera, renderer.hierarchy.start, time, picture)
-    return np.frombuffer(picture.pixels(), np.uint8).reshape(height, width, 3)
 
 
 @pytest.mark.parametrize("place", [(6.0, 0.0, 0.0), (5.0, 1.3, 0.9), (8.0, -2.5, -1.5), (30.0, 8.0, 4.0)])
@@ -76,7 +64,7 @@ def test_two_draws_are_equal_bytes(make_scene: Make, graphics: moderngl.Context)
 
 
 def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, graphics: moderngl.Context) -> None:
-    words = ["normal_map", "mirrored", "clouds", "zenith", "wave_phase"]
+    words = ["normal_map", "mirrored", "clouds", "colours", "wave_phase"]
     with Renderer(make_scene(EVERYTHING), graphics) as renderer:
         everything = "".join(source_in_use(text) for text in renderer.programs)
     assert all(word in everything for word in words)
@@ -135,11 +123,41 @@ def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None
     scene = make_scene(f"objects: {{ball: {{model: ball, mass: 1}}}}\nlights:\n{lights}")
     hierarchy = Hierarchy(scene)
     lighting = Lighting(hierarchy)
-    positions = lighting.positions(hierarchy.world(hierarchy.start))
-    (chosen,) = lighting.strongest(positions, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
+    places = lighting.places(hierarchy.world(hierarchy.start))
+    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
     assert list(chosen) == [9, 0, 1, 2]
-    (far,) = lighting.strongest(positions, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
+    (far,) = lighting.strongest(places, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
     assert list(far) == [9]  # the others have ended
+
+
+def test_a_beam_lights_what_is_before_it(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = """
+objects:
+  screen: {model: lamp, pose: [3, 0, 0], mass: 1}
+  left: {model: ball, pose: [3, 1.2, 0], mass: 1}
+  right: {model: ball, pose: [3, -1.2, 0], mass: 1}
+lights: {screen: {parent: screen, pose: [0, 0, 0, 0, 0, 1.5707963], BEAM}}
+cameras: {front: {size: [90, 60], fov: 1.2}}
+"""
+    around = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50")), graphics).sum(axis=2)
+    half = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 1.5707963")), graphics).sum(axis=2)
+    narrow = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 0.3")), graphics).sum(axis=2)
+    assert around[:, 48:].max() > 300 and not half[:, 48:].any() and not narrow[:, 48:].any()
+    lit = [np.count_nonzero(picture[:, :40]) for picture in (around, half, narrow)]
+    assert lit[0] >= lit[1] > 2 * lit[2] > 0
+
+
+def test_no_beam_is_spent_on_what_it_misses(make_scene: Make) -> None:
+    scene = make_scene("""
+objects: {ball: {model: ball, mass: 1}}
+lights: {lamp: {pose: [0, 0, 3], beam: 0.5, reach: 20}, other: {pose: [0, 0, 3, 0, 1.5707963, 0], beam: 0.5, reach: 9}}
+""")
+    hierarchy = Hierarchy(scene)
+    lighting = Lighting(hierarchy)
+    places = lighting.places(hierarchy.world(hierarchy.start))
+    centres = np.array([[0, 0, 0], [5, 0, 3], [0, 0, 3.1]])
+    chosen = lighting.strongest(places, np.zeros(3, np.intp), centres, np.ones(3) / 2)
+    assert [list(numbers) for numbers in chosen] == [[1], [0], [0, 1]]
 
 
 def test_children_move_with_their_parents(make_scene: Make) -> None:
@@ -152,6 +170,37 @@ objects:
     hierarchy = Hierarchy(scene)
     world = hierarchy.world(hierarchy.start)
     np.testing.assert_allclose(hierarchy.place(world, "tip")[:3, 3], [4, 0, 1], atol=1e-9)
+
+
+def test_fewer_triangles_are_hardly_seen(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene("""
+objects: {ball: {model: ball, mass: 1, poses: [[3, 0.7, 0], [6, -1, 0], [12, 0, 1], [25, 3, -1]]}}
+lights: {sun: {pose: [-100, 200, 300]}}
+cameras: {front: {size: [320, 240]}}
+""")
+    full = draw(scene, graphics, tolerance=0.0).astype(float)
+    fewer = np.abs(draw(scene, graphics) - full).mean()
+    assert 0 < fewer < 0.5
+    assert np.abs(draw(scene, graphics, tolerance=30.0) - full).mean() > 2 * fewer
+
+
+def test_edges_are_smoothed_and_faces_stay_sharp(make_scene: Make, graphics: moderngl.Context) -> None:
+    text = """
+render: {ambient: [0.5, 0.5, 0.5]ANTIALIASING}
+objects: {crate: {model: crate, mass: 1, pose: [3, 0, 0, 0.3, 0, 0]}}
+cameras: {front: {size: [160, 120]}}
+"""
+    plain = draw(make_scene(text.replace("ANTIALIASING", "")), graphics).astype(float)
+    smooth = draw(make_scene(text.replace("ANTIALIASING", ", antialiasing: {}")), graphics).astype(float)
+    background = plain[0, 0]
+    thing = np.abs(plain - background).sum(axis=2) > 0
+    inside = thing.copy()
+    for axis in (0, 1):
+        for step in (-1, 1):
+            inside &= np.roll(thing, step, axis)
+    np.testing.assert_array_equal(smooth[inside], plain[inside])
+    steps = [np.abs(np.diff(picture.sum(axis=2), axis=1))[~inside[:, 1:]].max() for picture in (plain, smooth)]
+    assert steps[1] < 0.75 * steps[0]
 
 
 def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: moderngl.Context) -> None:

@@ -8,13 +8,14 @@ from drone_sim.strict import ORIGIN, Colour, Name, Pose, Strict, Unit
 
 
 class Light(Strict):
-    """A point light. It shines on everything around it but its own parent."""
+    """A point light. It shines on everything but its own parent: all around, or along its x axis as a beam."""
 
     parent: Name | None = None
     pose: Pose = ORIGIN
     colour: Colour = (1.0, 1.0, 1.0)
     intensity: PositiveFloat = 1.0
     reach: PositiveFloat | None = None  # m at which half of it is left; without it, distance does not weaken it
+    beam: Annotated[float, Field(gt=0.0, le=1.5708)] | None = None  # rad from its x axis to where it ends
 
 
 class Orbit(Strict):
@@ -48,12 +49,19 @@ class Camera(Strict):
 
 
 class Sky(Strict):
-    """What is seen where nothing stands: colours from the horizon up, and clouds that drift."""
+    """Three domes, seen where nothing stands: colours from the horizon up, stars, and clouds that drift.
 
+    They hang on an object, such as the drone that cameras follow, and go where it goes, but stay level.
+    """
+
+    parent: Name | None = None  # without it they hang on each camera
+    radius: PositiveFloat = 600.0  # m
     horizon: Colour = (0.76, 0.86, 0.94)
     zenith: Colour = (0.22, 0.45, 0.78)
+    colours: str | None = None  # a texture instead of the two: night to day from left to right, the zenith on top
+    stars: str | None = None  # a texture; they come out as daylight goes
     clouds: str | None = None  # a texture; its alpha is the cover
-    drift: tuple[float, float] = (0.004, 0.001)  # of the texture per s
+    drift: tuple[float, float] = (0.004, 0.001)  # of the clouds' texture per s
 
 
 class Water(Strict):
@@ -69,11 +77,14 @@ class Render(Strict):
     """What the picture is made of; what is not named is not in any shader."""
 
     ambient: Colour = (0.30, 0.34, 0.40)
+    daylight: Unit = 1.0  # 1 is day, 0 night; dims the parallel light, the ambient one and the sky
     sky: Sky | None = None
     water: Water | None = None
     normal_mapping: dict[str, None] | None = None
     specular: dict[str, None] | None = None
+    antialiasing: dict[str, None] | None = None  # smooths the steps where two surfaces meet
 
     def features(self) -> list[str]:
         """Names of what the scene calls for."""
-        return [name for name in ("sky", "water", "normal_mapping", "specular") if getattr(self, name) is not None]
+        names = ("sky", "water", "normal_mapping", "specular", "antialiasing")
+        return [name for name in names if getattr(self, name) is not None]

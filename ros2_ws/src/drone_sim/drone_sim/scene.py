@@ -6,12 +6,14 @@ Effects stay as the scene words them: each effect validates its own parameters (
 """
 
 import hashlib
+import json
 import re
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, PositiveFloat, ValidationError, model_validator
+from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError, model_validator
 
 from drone_sim.airframe import Airframe
 from drone_sim.assets import asset_path
@@ -182,6 +184,8 @@ class Scene(Strict):
                 name = getattr(thing, what, None)
                 if name is not None and name not in self.objects:
                     raise ValueError(f"{key}.{what}: no object is called '{name}'")
+        if self.render.sky and self.render.sky.parent is not None and self.render.sky.parent not in self.objects:
+            raise ValueError(f"render.sky.parent: no object is called '{self.render.sky.parent}'")
         for name, thing in self.objects.items():
             seen = {name}
             while thing.parent is not None:
@@ -211,6 +215,19 @@ class Scene(Strict):
         """The object of that name, or the objects of the group."""
         group = re.compile(rf"{re.escape(name)}_\d+")
         return [name] if name in self.objects else [other for other in self.objects if group.fullmatch(other)]
+
+    def with_cameras(self, text: str) -> "Scene":
+        """The same with more cameras, in YAML as under 'cameras'; equal names replace. Raises SceneError."""
+        if len(text) > FILE_SIZE_LIMIT:
+            raise SceneError(f"cameras: more than {FILE_SIZE_LIMIT} characters, which no camera needs")
+        try:
+            words = json.loads(as_json(f"cameras:\n{textwrap.indent(text, '  ')}".encode())).get("cameras")
+            added = TypeAdapter(dict[Name, Camera]).validate_json(json.dumps(words), strict=True)
+            return Scene.model_validate({**dict(self), "cameras": {**self.cameras, **added}})
+        except ValidationError as error:
+            raise SceneError(first_error(error, Scene, ("cameras",) if error.title != "Scene" else ())) from None
+        except ValueError as error:
+            raise SceneError(str(error)) from None
 
     def _things(self) -> Iterator[tuple[str, Object | Light | Camera]]:
         for kind in ("objects", "lights", "cameras"):

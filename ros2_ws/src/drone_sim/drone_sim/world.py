@@ -140,6 +140,13 @@ class World:
             self.compile()
         self.program.run(steps)
 
+    def detect(self) -> None:
+        """Finds the contacts of the state as it is, as a step does before it moves anything."""
+        if not self._ready:
+            self.compile()
+        names = [stage.name for stage in self.program.stages]
+        self.program.run(1, names.index("keep"), names.index("warm start") + 1)
+
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
         x, y, z, turn = command
@@ -217,8 +224,8 @@ class World:
         return int(self.state.step[0]) * self.dt
 
     def contact_counts(self) -> dict[str, int]:
-        """By level: the contacts of bodies that touch or are about to, or do so in their sleep. Pairs of meshes may have
-        several."""
+        """By level: the contacts of bodies that touch, or are about to, or do so in their sleep; those of meshes may be
+        several a pair."""
         found = self.detection.manifolds
         asleep = self.sleep.touching if self.sleep else NOTHING
         level = np.concatenate([found.level[: found.count], asleep.level])

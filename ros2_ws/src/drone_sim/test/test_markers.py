@@ -48,4 +48,23 @@ def test_boxes_contacts_and_sectors(world: Callable[..., World]) -> None:
 def test_an_empty_scene_has_empty_markers(world: Callable[..., World]) -> None:
     empty = world("floor: {model: floor, static: true, collision: {level: floor}}")
     empty.step()
-    assert [len(marker.points) for marker in read(empty).values()] == [0, 0, 0]
+    assert [len(marker.points) for marker in read(empty).values()] == [0, 0, 0, 0, 0]
+
+
+def test_each_level_has_its_shape_and_colour(world: Callable[..., World]) -> None:
+    scene = world("""ball: {model: crate, mass: 5, pose: [0, 0, 3], collision: {level: sphere}}
+box: {model: crate, mass: 5, pose: [5, 0, 3], collision: {level: obb}}
+tree: {model: crate, mass: 5, pose: [10, 0, 3], collision: {level: octree}}
+fine: {model: crate, mass: 5, pose: [15, 0, 3], collision: {level: triangle}}""")
+    scene.step()
+    shown = read(scene)
+    ball = corners(shown["spheres"])
+    middle = [0, 0, ball[:, 2].mean()]
+    np.testing.assert_allclose(np.linalg.norm(ball - middle, axis=1), 0.3 * np.sqrt(3), atol=1e-6)
+    colours = {(colour.r, colour.g, colour.b) for colour in [*shown["boxes"].colors, *shown["spheres"].colors]}
+    assert len(shown["boxes"].points) == 3 * 24 and len(colours) == 4
+    nodes = corners(shown["octrees"])
+    assert len(nodes) % 24 == 0 and len(nodes) > 4 * 24
+    for left in (0, 5, 10, 15):  # boxes that meet none have octrees, too, as what is fine may come along
+        own = nodes[np.abs(nodes[:, 0] - left) < 1]
+        np.testing.assert_allclose(np.ptp(own, axis=0), 0.6, atol=1e-4)

@@ -57,6 +57,7 @@ BROKEN = [
     ("version: 1", "version: 1\ndescription: \x01", "unacceptable character #x0001"),
     ("version: 1", "version: 1\ndescription: " + "[" * 400 + "]" * 400, "line 2: nested in more than 32 levels"),
     ("version: 1", "version: 1\ndescription: " + "[" * 200_000 + "]" * 200_000, "line 2: nested in more than 32"),
+    ("version: 1", "version: 1\nrender: {sky: {parent: plane}}", "render.sky.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: plane, rotor", "objects.rotor.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: wall_0, rotor", "objects.rotor.rotor: 'wall_0' does not fly"),
     ("parent: drone, rotor", "parent: rotor, rotor", "objects.rotor.parent: is its own ancestor"),
@@ -132,3 +133,21 @@ def test_the_hash_follows_the_file_and_its_models(path: object) -> None:
     first = parse(GOOD, path).hash
     assert parse(GOOD, path).hash == first
     assert parse(GOOD.replace("1.4", "1.5"), path).hash != first
+
+
+def test_cameras_can_be_added(path: object) -> None:
+    base = load(str(path))
+    more = base.with_cameras("side: {parent: drone, pose: [0, 2, 0], size: [64, 48]}\ntop: {pose: [0, 0, 9]}")
+    assert set(more.cameras) == {*base.cameras, "side", "top"} and more.hash == base.hash
+    assert more.cameras["side"].pose == (0, 2, 0, 0, 0, 0) and more.objects == base.objects
+    for text, problem in [
+        ("side: {parent: plane}", "cameras.side.parent: no object is called 'plane'"),
+        ("side: {fov: wide}", "cameras.side.fov: Input should be a valid number"),
+        ("drone: {}", "cameras.drone: another frame is called 'drone'"),
+        ("- side", "cameras"),
+        ("side: {colour: 1}", "cameras.side.colour"),
+        ("side: {", "line"),
+    ]:
+        with pytest.raises(SceneError, match=problem) as caught:
+            base.with_cameras(text)
+        assert "\n" not in str(caught.value)

@@ -34,6 +34,7 @@ e/c : increase/decrease only angular speed by 10%
 F4 (hold) : the AI drone comes down and stays down
 Tab       : next camera
 F2 or p   : save a picture
+F3 or v   : show or hide what collisions see
 Space     : pause, continue
 r         : start the simulation over
 
@@ -80,6 +81,7 @@ class Action(Enum):
 
     CAMERA = "next camera"
     PICTURE = "save a picture"
+    DEBUG = "show or hide what collisions see"
     PAUSE = "pause or continue"
     RESET = "start over"
 
@@ -88,6 +90,8 @@ ACTIONS = {
     "Tab": Action.CAMERA,
     "F2": Action.PICTURE,
     "p": Action.PICTURE,
+    "F3": Action.DEBUG,
+    "v": Action.DEBUG,
     "Space": Action.PAUSE,
     "r": Action.RESET,
 }

@@ -20,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from simulation_interfaces.msg import Result, SimulationState
 from simulation_interfaces.srv import ResetSimulation, SetSimulationState
 from std_msgs.msg import Bool, String
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 from drone_teleop.keys import HELP, Action, Hand
 from drone_teleop.screen import Screen
@@ -57,6 +57,7 @@ class TeleopNode(Node):
         self._hit = ""
         self._ai_state = ""
         self._paused = False
+        self._shows_debug = False
         self._keys = 0
 
         self._cmd_vel = self.create_publisher(Twist, "cmd_vel", 10)
@@ -64,6 +65,7 @@ class TeleopNode(Node):
         self._select = self.create_publisher(String, "camera/select", LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self._save = self.create_client(Trigger, "drone_render/save_image")
+        self._debug = self.create_client(SetBool, "drone_render/show_debug")
         self._reset = self.create_client(ResetSimulation, "reset_simulation")
         self._set_state = self.create_client(SetSimulationState, "set_simulation_state")
         self.create_subscription(Scene, "scene", self._on_scene, LATCHED)
@@ -96,6 +98,9 @@ class TeleopNode(Node):
                     self._next_camera()
                 case Action.PICTURE:
                     self._ask(self._save, Trigger.Request(), self._saved)
+                case Action.DEBUG:
+                    self._shows_debug = not self._shows_debug
+                    self._ask(self._debug, SetBool.Request(data=self._shows_debug), self._was_debug)
                 case Action.RESET:
                     self._ask(self._reset, ResetSimulation.Request(), self._was_reset)
                 case Action.PAUSE:
@@ -131,6 +136,9 @@ class TeleopNode(Node):
 
     def _saved(self, answer: Trigger.Response) -> None:
         self._screen.say(f"saved {answer.message}" if answer.success else f"no picture: {answer.message}")
+
+    def _was_debug(self, answer: SetBool.Response) -> None:
+        self._screen.say(answer.message)
 
     def _was_reset(self, answer: ResetSimulation.Response) -> None:
         if answer.result.result == Result.RESULT_OK:

@@ -18,6 +18,9 @@ FUNCTION_KEYS = {
     b"\x1bOQ": "F2",
     b"\x1b[12~": "F2",
     b"\x1b[[B": "F2",
+    b"\x1bOR": "F3",
+    b"\x1b[13~": "F3",
+    b"\x1b[[C": "F3",
     b"\x1bOS": "F4",
     b"\x1b[14~": "F4",
     b"\x1b[[D": "F4",
@@ -32,7 +35,7 @@ _BEGUN = re.compile(rb"\x1b(?:\[\[|\[[0-?]{0,16}[ -/]{0,4}|O[0-9;]{0,16})?\Z")
 class Decoder:
     """Bytes of a terminal into names of keys, however the bytes are split over reads.
 
-    A printable key is called by its character, others 'Tab', 'Space', 'Esc', 'F2', 'F4'. An escape sequence
+    A printable key is called by its character, others 'Tab', 'Space', 'Esc', 'F2', 'F3', 'F4'. An escape sequence
     without a name stands for itself. Bytes that are not UTF-8 are ignored.
     """
 

@@ -24,6 +24,9 @@ SEQUENCES = [
     (b"\x1bOQ", ["F2"]),
     (b"\x1b[12~", ["F2"]),
     (b"\x1b[[B", ["F2"]),
+    (b"\x1bOR", ["F3"]),
+    (b"\x1b[13~", ["F3"]),
+    (b"\x1b[[C", ["F3"]),
     (b"\x1bOSi\x1b[14~\t", ["F4", "i", "F4", "Tab"]),
     (b"\x1b[1;2S", ["\x1b[1;2S"]),  # Shift-F4: a sequence without a name
     (b"\x1b[A", ["\x1b[A"]),

@@ -24,17 +24,28 @@ uniform vec3 sun_colour;
 
 // Point lights. The number is a constant, so that the loop unrolls: a program for each number that occurs.
 #if LIGHTS > 0
-uniform vec4 lights[2 * LIGHTS];
-// Two of each: its place and 1 / reach^2, 0 where distance does not weaken;
-// its colour and what is taken off its share, so that the light ends somewhere.
+#ifdef BEAMS
+#define NUMBERS 3
+#else
+#define NUMBERS 2
+#endif
+uniform vec4 lights[NUMBERS * LIGHTS];
+// Of each: its place and 1 / reach^2, 0 where distance does not weaken; its colour and what is taken off its share, so
+// that the light ends somewhere; its beam, by which the cosine to its axis becomes a share.
 
 void shine_all(vec3 surface, vec3 n) {
     for (int i = 0; i < LIGHTS; ++i) {
-        vec4 place = lights[2 * i];
-        vec4 colour = lights[2 * i + 1];
+        vec4 place = lights[NUMBERS * i];
+        vec4 colour = lights[NUMBERS * i + 1];
         vec3 way = place.xyz - surface;
         float square = dot(way, way);
-        shine(n, way * inversesqrt(square), colour.rgb, max(1.0 / (1.0 + square * place.w) - colour.w, 0.0));
+        vec3 l = way * inversesqrt(square);
+        float share = max(1.0 / (1.0 + square * place.w) - colour.w, 0.0);
+#ifdef BEAMS
+        vec4 beam = lights[NUMBERS * i + 2];
+        share *= clamp(dot(l, beam.xyz) + beam.w, 0.0, 1.0);
+#endif
+        shine(n, l, colour.rgb, share);
     }
 }
 #endif

@@ -1,13 +1,8 @@
 // The sky without its clouds: what water mirrors, too.
-uniform vec3 horizon;
-uniform vec3 zenith;
+uniform sampler2D colours;  // from the horizon to the zenith
 
 vec3 sky(vec3 direction) {
-    float up = max(direction.z, 0.0);
-    float low = 1.0 - up;
-    low *= low;
-    low *= low;
-    return mix(zenith, horizon, low * low);  // the haze ends low: most cameras see little more than the horizon
+    return texture(colours, vec2(sqrt(max(direction.z, 0.0)), 0.5)).rgb;
 }
 
 #ifdef SUN

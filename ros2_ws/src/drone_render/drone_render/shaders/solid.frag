@@ -1,11 +1,11 @@
 // Solid things, lit per pixel.
 #include "lights.glsl"
+#include "pixel.glsl"
 
 in vec3 surface;
 in vec3 surface_normal;
 flat in vec3 surface_colour;
 uniform vec3 ambient;
-out vec3 pixel;
 
 #ifdef UV
 in vec2 surface_uv;
@@ -63,15 +63,16 @@ void main() {
     shine_all(surface, n);
 #endif
 
-    pixel = base * diffuse;
+    vec3 shade = base * diffuse;
 #ifdef SPECULAR
-    pixel += surface_specular * gloss;
+    shade += surface_specular * gloss;
 #endif
 #ifdef EMISSIVE
 #ifdef COLOUR_MAP
-    pixel += surface_emission * base;
+    shade += surface_emission * base;
 #else
-    pixel += surface_emission;
+    shade += surface_emission;
 #endif
 #endif
+    put(shade);
 }

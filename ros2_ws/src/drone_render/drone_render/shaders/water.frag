@@ -1,6 +1,8 @@
 // Water: four trains of waves tilt the normal, and the sky is mirrored by Fresnel's share.
+#include "pixel.glsl"
 #ifdef SKY
 #include "sky.glsl"
+uniform vec3 horizon;
 #endif
 
 in vec3 surface;
@@ -18,7 +20,6 @@ uniform vec4 wave_pixel;  // radians of a wave within the angle of a pixel, at a
 uniform vec3 square;      // of the survey: its middle and half its side
 uniform sampler2D shore;  // how clear the water is
 #endif
-out vec3 pixel;
 
 void main() {
     vec3 sight = surface - eye;
@@ -51,23 +52,25 @@ void main() {
 #endif
     float lift = 0.08 * (rise.x + rise.z);
     vec3 body = mix(deep, shallow, clamp(1.6 * clear + 0.25 * facing + lift, 0.0, 1.0)) * light;
+    vec3 shade;
 #ifdef SKY
-    pixel = mix(body, sky(mirrored), fresnel);
+    shade = mix(body, sky(mirrored), fresnel);
     float near = 450.0 * nearness;
-    pixel = mix(pixel, horizon, 1.0 / (1.0 + near * near));  // haze, so that sea and sky meet
+    shade = mix(shade, horizon, 1.0 / (1.0 + near * near));  // haze, so that sea and sky meet
 #else
-    pixel = mix(body, ambient, fresnel);
+    shade = mix(body, ambient, fresnel);
 #endif
 #ifdef SHORE
     // Foam where the waves run out, its edge moved by them; it hides neither light nor colour below all of it.
     float foam = clamp((clear + 0.10 * (rise.y + rise.z) - 0.86) * 9.0, 0.0, 1.0);
-    pixel = mix(pixel, light, 0.75 * foam);
+    shade = mix(shade, light, 0.75 * foam);
 #endif
 #ifdef SUN
     float s = max(dot(mirrored, sun_direction), 0.0);
     s *= s; s *= s; s *= s; s *= s;
     float wide = s;
     s *= s; s *= s; s *= s;
-    pixel += sun_colour * (0.12 * wide + 0.9 * s);
+    shade += sun_colour * (0.12 * wide + 0.9 * s);
 #endif
+    put(shade);
 }

@@ -12,6 +12,7 @@ from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels, lookup
 from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
 from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
+from drone_sim.collision.octree import Octree
 from drone_sim.collision.sweep import fast
 from drone_sim.kernel import kernel
 from drone_sim.model import OCTREE, SPHERE, Model
@@ -310,6 +311,11 @@ class Detection:
             fine = _only(pairs[3] >= OCTREE, pairs)
             if len(fine[0]):  # most steps have none
                 self.manifolds = self._meshes.find(self.manifolds, placed, *fine)
+
+    @property
+    def forest(self) -> tuple[Octree, Integers] | None:
+        """The octrees, in the frames of their boxes' centres, and the root (n,) of each body's, -1 for none."""
+        return None if self._meshes is None else (self._meshes.tree, self._meshes.roots)
 
     def sectors(self) -> tuple[Floats, Floats]:
         """Lowest corners (k, 3) and edges (k,) in m of the sectors that bodies stand in which can move, each once."""

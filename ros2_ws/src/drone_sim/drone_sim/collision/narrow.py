@@ -6,7 +6,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision import floor, obb, sphere
-from drone_sim.collision.manifold import CUT, cross_edges, cut_faces
+from drone_sim.collision.clipping import CUT, cross_edges, cut_faces
 from drone_sim.collision.sat import BLOCK, TABLE, WIDEST, rank
 from drone_sim.collision.sat import MARGIN as MARGINS
 from drone_sim.kernel import kernel

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision import exact, separation
-from drone_sim.collision.manifold import CUT, POINTS, cross_edges, cut_faces
+from drone_sim.collision.clipping import CUT, cross_edges, cut_faces
+from drone_sim.collision.manifold import POINTS
 from drone_sim.collision.sat import BLOCK, MARGIN, PLACE, SWAPPED, TABLE, WIDEST, gather, judge, rank
 from drone_sim.kernel import kernel
 

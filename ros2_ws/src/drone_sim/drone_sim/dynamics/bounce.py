@@ -29,7 +29,8 @@ from drone_sim.dynamics.constraints import (
     TOTAL,
     turn,
 )
-from drone_sim.dynamics.solver import L2, L3, L4, L5, VELOCITY_B, gather, speed_of
+from drone_sim.dynamics.solver import gather
+from drone_sim.dynamics.unit import L2, L3, L4, L5, VELOCITY_B, speed_of, sum_of
 from drone_sim.kernel import inlined, kernel
 
 BOUNCE_SPEED = 0.3  # m/s, below which nothing bounces
@@ -157,9 +158,9 @@ def _throw_unit(t, k, a, b, moving, h):
             break
     r = ANCHOR + k
     q = q0 + q1 + q2 + q3
-    px, py, pz = _sum(t, r, q0, q1, q2, q3), _sum(t, r + LANES, q0, q1, q2, q3), _sum(t, r + L2, q0, q1, q2, q3)
+    px, py, pz = sum_of(t, r, q0, q1, q2, q3), sum_of(t, r + LANES, q0, q1, q2, q3), sum_of(t, r + L2, q0, q1, q2, q3)
     ex, ey, ez = turn(t, INERTIA_A, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
-    px, py, pz = _sum(t, r + L3, q0, q1, q2, q3), _sum(t, r + L4, q0, q1, q2, q3), _sum(t, r + L5, q0, q1, q2, q3)
+    px, py, pz = sum_of(t, r + L3, q0, q1, q2, q3), sum_of(t, r + L4, q0, q1, q2, q3), sum_of(t, r + L5, q0, q1, q2, q3)
     fx, fy, fz = turn(t, INERTIA_B, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
     m, n = q * t[LIGHT_A + k], q * t[LIGHT_B + k]
     u[0], u[1], u[2] = u[0] - m * x, u[1] - m * y, u[2] - m * z
@@ -173,7 +174,3 @@ def _throw_unit(t, k, a, b, moving, h):
 def _per(mass):
     return 1.0 / mass if mass > 0.0 else 0.0
 
-
-@inlined
-def _sum(t, at, q0, q1, q2, q3):
-    return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]

@@ -9,7 +9,8 @@ from drone_sim.arrays import Floats
 from drone_sim.collision.manifold import Manifolds
 from drone_sim.dynamics.constraints import COLOURS, tables
 from drone_sim.dynamics.schemes import SCHEMES
-from drone_sim.dynamics.solver import GATHERED, PRESSED, ROW
+from drone_sim.dynamics.solver import PRESSED, ROW
+from drone_sim.dynamics.unit import GATHERED
 from drone_sim.effects import Setting
 from drone_sim.program import Program
 from drone_sim.stage import Stage

@@ -1,0 +1,157 @@
+"""Draws the figures of the README: python figures/picture.py [NAME ...]. Writes into docs/figures.
+
+All but one are the island with things put where they are seen well; the television is pushed by the physics.
+"""
+
+import argparse
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from drone_render import context
+from drone_render.image import Picture
+from drone_render.lines import read_lines
+from drone_render.renderer import Renderer
+from drone_render.view import pose
+from drone_sim.arrays import Floats
+from drone_sim.markers import markers
+from drone_sim.scene import Scene, load, parse
+from drone_sim.world import World
+
+OUT = Path(__file__).parents[1] / "docs" / "figures"
+SIZE, QUALITY = (1280, 720), 90  # pixels; of the JPEG
+Places = Mapping[str, tuple[float, ...]]  # x y z roll pitch yaw of objects
+
+
+def island(camera: str, **render: Any) -> Scene:
+    """The island with one camera more, called 'figure', and other words for its picture."""
+    scene = load("island")
+    scene = scene.model_copy(update={"render": scene.render.model_copy(update=render)})
+    return scene.with_cameras(f"figure: {{size: [{SIZE[0]}, {SIZE[1]}], {camera}}}")
+
+
+def brighter(scene: Scene, light: str, times: float, reach: float) -> Scene:
+    """The scene with one of its lights so many times as bright, and another reach in m, for figures by night."""
+    words = {"intensity": times * scene.lights[light].intensity, "reach": reach}
+    bright = scene.lights[light].model_copy(update=words)
+    return scene.model_copy(update={"lights": {**scene.lights, light: bright}})
+
+
+def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | None = None) -> Image.Image:
+    """What the camera 'figure' sees: objects where the scene has them, at `places`, or where a world has them."""
+    graphics = context.create()
+    try:
+        with Renderer(scene, graphics) as renderer:
+            poses = renderer.hierarchy.start.copy()
+            for name, place in places.items():
+                poses[renderer.hierarchy.names.index(name)] = pose((*place, 0.0, 0.0, 0.0)[:6])  # type: ignore[arg-type]
+            if world is not None:
+                for name, row in zip(world.model.bodies.names, world.object_poses(), strict=True):
+                    poses[renderer.hierarchy.names.index(name)] = row
+                renderer.show(read_lines(markers(world, 0)) if scene.description == "debug" else None)
+            _turn_rotors(scene, poses, renderer.hierarchy.names, time)
+            picture = Picture(scene.cameras["figure"].size, "figure")
+            renderer.draw("figure", poses, time, picture)
+            return Image.frombytes("RGB", (picture.width, picture.height), picture.pixels())
+    finally:
+        graphics.release()
+
+
+def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: float) -> None:
+    """Rotors stand somewhere on their way, each elsewhere."""
+    for row, name in enumerate(names):
+        if scene.objects[name].rotor is not None:
+            angle = 0.7 * row + 40.0 * time
+            poses[row, 5:] = math.sin(angle / 2), math.cos(angle / 2)
+
+
+def both_drones() -> Image.Image:
+    """Both drones above the village."""
+    scene = island("pose: [-3.0, -2.6, 4.9, 0, 0.13, 0.60], fov: 1.15")
+    return draw(scene, {"user_drone": (-1.45, -1.15, 4.42, 0.06, 0.10, 0.35),
+                        "ai_drone": (-0.65, -2.05, 4.92, -0.10, 0.08, 0.95)}, time=4.0)
+
+
+def clouds() -> Image.Image:
+    """The clouds at two times, on one sheet."""
+    scene = island("pose: [-16, -10, 1.7, 0, -0.32, 0.55], fov: 1.2")
+    whole = Image.new("RGB", SIZE, "white")
+    for i, time in enumerate((0.0, 20.0)):
+        half = draw(scene, time=time).resize((SIZE[0], SIZE[1]))
+        whole.paste(half.crop((SIZE[0] // 4 + 2, 0, 3 * SIZE[0] // 4 - 2, SIZE[1])), (i * (SIZE[0] // 2 + 4), 0))
+    return whole
+
+
+def specular() -> Image.Image:
+    """The screen's light on the drone before it, in the evening."""
+    scene = island("pose: [3.15, -1.40, 1.06, 0, 0.22, 1.50], fov: 1.05", daylight=0.12)
+    scene = brighter(scene, "screen", 1.8, 2.5)
+    return draw(scene, {"user_drone": (3.02, -0.1, 0.80, -0.12, 0.10, -0.25)}, time=2.0)
+
+
+def pushed() -> Image.Image:
+    """The drone has flown into the television and pushes it along."""
+    scene = load("island")
+    world = World(scene)
+    for _ in range(int(5.0 * scene.rates.physics)):
+        world.step({"user_drone": (1.6, 0.0, 0.0, 0.0)})
+    x, y, z = world.pose("user_drone")[:3]
+    camera = f"pose: [{x - 0.75:.3f}, {y - 1.25:.3f}, {z + 0.75:.3f}, 0, 0.36, 0.88], fov: 1.0"
+    return draw(island(camera), time=5.0, world=world)
+
+
+def person() -> Image.Image:
+    """The pilot, seen by a camera beside the drone's."""
+    scene = island("pose: [-1.75, 1.15, 1.35, 0, -0.03, 2.55], fov: 1.05")
+    return draw(scene, {"user_drone": (-2.98, 2.40, 1.66, 0.10, 0.08, 2.9)}, time=8.0)
+
+
+def eyes() -> Image.Image:
+    """What the pilot sees."""
+    scene = island("parent: person, pose: [0.16, 0, 1.66], look_at: user_drone, fov: 1.0")
+    return draw(scene, {"user_drone": (-1.6, 0.9, 1.75, 0.05, -0.06, 0.9), "ai_drone": (1.2, -2.4, 2.75, 0, 0.1, 2.0)},
+                time=12.0)
+
+
+def debug() -> Image.Image:
+    """What the collision detection sees of a drone that touches the crates: boxes, octrees, sectors, contacts."""
+    base = load("island")
+    text = base.path.read_text().replace("collision: {level: obb}", "collision: {level: octree}")
+    scene = parse(text.replace("pose: [0, 0, 0.6]", "pose: [7.3, -6.6, 0.34]"), base.path)
+    scene = scene.model_copy(update={"description": "debug"})
+    world = World(scene)
+    for _ in range(40):
+        world.step({"user_drone": (0.8, 0.0, 0.0, 0.0)})
+    camera = "pose: [6.0, -9.4, 2.3, 0, 0.42, 0.92], fov: 1.0"
+    return draw(scene.with_cameras(f"figure: {{size: [{SIZE[0]}, {SIZE[1]}], {camera}}}"), world=world)
+
+
+def night() -> Image.Image:
+    """The drone lights a wall of the brick house."""
+    scene = island("pose: [9.2, -2.7, 2.2, 0, -0.09, -0.52], fov: 1.1", daylight=0.0)
+    return draw(brighter(scene, "lamp", 5.0, 1.6), {"user_drone": (12.9, -5.3, 2.5, 0.03, 0.10, -0.45)}, time=3.0)
+
+
+FIGURES: dict[str, Callable[[], Image.Image]] = {
+    make.__name__: make for make in (both_drones, clouds, specular, pushed, person, eyes, debug, night)
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"which: {', '.join(FIGURES)}; all if none is named")
+    names = parser.parse_args().names
+    if unknown := set(names) - set(FIGURES):
+        parser.error(f"no figure '{min(unknown)}'")
+    OUT.mkdir(parents=True, exist_ok=True)
+    for name in names or FIGURES:
+        path = OUT / f"{name}.jpg"
+        FIGURES[name]().save(path, quality=QUALITY, optimize=True)
+        print(path.relative_to(OUT.parents[1]), flush=True)
+
+
+if __name__ == "__main__":
+    main()

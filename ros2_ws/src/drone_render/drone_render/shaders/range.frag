@@ -1,0 +1,7 @@
+// How far away a thing is along the optical axis, in m, and its number.
+uniform float number;
+out vec2 pixel;
+
+void main() {
+    pixel = vec2(1.0 / gl_FragCoord.w, number);
+}

@@ -1,0 +1,206 @@
+"""Models on the device: parts that look alike, cut into pieces, each at several levels of detail."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from drone_render import detail
+from drone_render.context import Device, packed
+from drone_render.geometry import pack, sphere, tangents
+from drone_render.hierarchy import Lighting
+from drone_render.shaders import Variant
+from drone_render.view import Array
+from drone_sim.look import Render
+from drone_sim.mesh import Material, Model, Part
+
+FAINT = 0.1  # a highlight that reflects less is not seen, so it is not computed
+WIDE = 10.0  # m; what reaches further may be near at one end and far away at the other, so it is cut into blocks
+
+
+class Look(NamedTuple):
+    """What parts of a model have in common that are drawn at once; their colours are in their vertices."""
+
+    colour_map: Path | None
+    normal_map: Path | None
+    squarings: int | None  # None: without highlights
+
+    @classmethod
+    def of(cls, material: Material, render: Render) -> "Look":
+        """How a material looks with what the scene asks for."""
+        shines = render.specular is not None and max(material.specular) >= FAINT
+        return cls(
+            material.colour_map,
+            material.normal_map if render.normal_mapping is not None else None,
+            squarings(material.shininess) if shines else None,
+        )
+
+
+def squarings(shininess: float) -> int:
+    """How often to square the cosine to the mirrored light so that it looks like Blinn's with this exponent."""
+    return int(np.clip(round(math.log2(max(shininess, 1.0) / 4)), 1, 6))
+
+
+class Maps:
+    """The textures of a look on the device: none, a colour map, a normal map, or both, packed into one if possible."""
+
+    def __init__(self, device: Device, look: Look) -> None:
+        packed_map = pack(look.colour_map, look.normal_map) if look.colour_map and look.normal_map else None
+        self.ramp = None if packed_map is None else packed(packed_map.ramp)
+        if packed_map is not None:  # one fetch instead of two: a fetch costs as much as three lights
+            self.textures = {"colour_normal_map": device.packed_texture(packed_map)}
+        else:
+            paths = {"colour_map": look.colour_map, "normal_map": look.normal_map}
+            self.textures = {name: device.texture(path) for name, path in paths.items() if path is not None}
+
+    def use(self, program: moderngl.Program) -> None:
+        """Makes them the ones that the program fetches from."""
+        for unit, texture in enumerate(self.textures.values()):
+            texture.use(unit)
+        if self.ramp is not None:
+            program["ramp"].write(self.ramp)  # type: ignore[union-attr]
+
+
+class Level(NamedTuple):
+    """Where a piece's triangles lie in the index, and how far they are off, in m."""
+
+    first: int
+    corners: int
+    error: float
+
+
+class Piece(NamedTuple):
+    """What is drawn at once: all of a surface, or a block of a wide one; its sphere in the model's frame."""
+
+    surface: "Surface"
+    centre: Array
+    radius: float
+    levels: Sequence[Level]
+
+    def level(self, allowed: float) -> Level:
+        """The one with the fewest triangles that is off by no more than is allowed, in m."""
+        return next(level for level in reversed(self.levels) if level.error <= allowed)
+
+
+class Shared(NamedTuple):
+    """What all programs of a scene have in common: rays of the sun, beams, marks for smooth edges."""
+
+    sun: bool
+    beams: bool
+    edges: bool
+
+
+class Surface:
+    """Parts of a model that look alike, on the device, and the programs that draw them: one per number of lights."""
+
+    def __init__(self, device: Device, look: Look, maps: Maps, shared: Shared, parts: list[Part]) -> None:
+        self._device, self._look, self.maps, self._shared = device, look, maps, shared
+        self._glows = any(any(part.material.emission) for part in parts)
+        columns: dict[str, list[npt.NDArray[np.floating]]] = {
+            "position": [part.vertices for part in parts],
+            "normal": [part.normals for part in parts],
+            "colour": [_each(part, part.material.colour) for part in parts],
+            "specular": [_each(part, part.material.specular) for part in parts],
+            "emission": [_each(part, part.material.emission) for part in parts],
+            "uv": [part.uv for part in parts],
+            "tangent": [tangents(part) for part in parts] if look.normal_map else [],
+        }
+        self._vertices = {name: np.vstack(rows).astype(np.float32) for name, rows in columns.items() if rows}
+        first = np.cumsum([0] + [len(part.vertices) for part in parts])
+        faces = np.vstack([part.faces + start for part, start in zip(parts, first, strict=False)]).astype(np.int32)
+        self.position = self._vertices["position"]
+        wide = float(np.ptp(self.position, axis=0).max()) > 2 * WIDE
+        self.blocks = [faces[block] for block in detail.blocks(self.position, faces)] if wide else [faces]
+        self._attributes: list[tuple[moderngl.Buffer, str, str]] = []
+        self._index: moderngl.Buffer | None = None
+        self._arrays: dict[int, moderngl.VertexArray] = {}
+        self._shapes: dict[moderngl.Program, moderngl.VertexArray] = {}
+
+    def upload(self, kept: npt.NDArray[np.bool_]) -> list[Piece]:
+        """Puts all levels on the device; `kept` (n,): vertices that none may leave out, as others end there, too."""
+        pieces: list[Piece] = []
+        index: list[npt.NDArray[np.int32]] = []
+        first = 0
+        for faces in self.blocks:
+            used, own = np.unique(faces, return_inverse=True)
+            rows = {name: self._vertices[name][used].astype(np.float64) for name in ("position", "normal", "uv")}
+            found = detail.levels(**rows, faces=own.reshape(-1, 3).astype(np.int32), kept=kept[used])
+            levels = []
+            for triangles, error in found:
+                index.append(used[triangles].astype(np.int32))
+                levels.append(Level(first, triangles.size, error))
+                first += triangles.size
+            pieces.append(Piece(self, *sphere([self.position[used]]), levels))
+        self._attributes = [
+            (self._device.buffer(rows), f"{rows.shape[1]}f", name) for name, rows in self._vertices.items()
+        ]
+        self._index = self._device.buffer(np.vstack(index))
+        self._vertices.clear()
+        return pieces
+
+    def variant(self, lights: int) -> Variant:
+        """The program that draws this with so many lights."""
+        maps = {name.upper(): True for name in self.maps.textures}
+        return Variant.of(
+            "solid", LIGHTS=lights, SUN=self._shared.sun, BEAMS=self._shared.beams, EDGES=self._shared.edges,
+            UV=bool(maps), BUMPS=self._look.normal_map is not None, EMISSIVE=self._glows,
+            SPECULAR=self._look.squarings or False, **maps,
+        )  # fmt: skip
+
+    def array(self, lights: int) -> moderngl.VertexArray:
+        """What to draw with so many lights."""
+        if lights not in self._arrays:
+            program = self._device.program(self.variant(lights))
+            for unit, name in enumerate(self.maps.textures):
+                program[name] = unit
+            self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
+        return self._arrays[lights]
+
+    def shape(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """What to draw with a program that takes its shape alone."""
+        if program not in self._shapes:
+            self._shapes[program] = self._device.vertex_array(program, self._attributes, self._index)
+        return self._shapes[program]
+
+
+class Surfaces:
+    """The surfaces of models on the device, each model's and each pair of maps once."""
+
+    def __init__(self, device: Device, render: Render, lighting: Lighting) -> None:
+        self._device, self._render = device, render
+        self._shared = Shared(lighting.parallel is not None, lighting.beams, render.antialiasing is not None)
+        self._maps: dict[tuple[Path | None, Path | None], Maps] = {}
+        self._pieces: dict[Path, list[Piece]] = {}
+
+    def pieces(self, model: Model) -> list[Piece]:
+        """What a model is drawn by."""
+        if model.path not in self._pieces:
+            self._pieces[model.path] = self._upload(model)
+        return self._pieces[model.path]
+
+    def _upload(self, model: Model) -> list[Piece]:
+        looks: dict[Look, list[Part]] = {}
+        for part in model.parts:
+            looks.setdefault(Look.of(part.material, self._render), []).append(part)
+        surfaces = []
+        for look, parts in looks.items():
+            if look[:2] not in self._maps:
+                self._maps[look[:2]] = Maps(self._device, look)
+            surfaces.append(Surface(self._device, look, self._maps[look[:2]], self._shared, parts))
+        # Where pieces meet, vertices stay: if one gave them up at a level and the other not, a gap would open.
+        corners = [surface.position[np.unique(faces)] for surface in surfaces for faces in surface.blocks]
+        places, owners = np.unique(np.vstack([np.unique(each, axis=0) for each in corners]), axis=0, return_counts=True)
+        seams = {place.tobytes() for place in places[owners > 1]}
+        return [
+            piece
+            for surface in surfaces
+            for piece in surface.upload(np.array([place.tobytes() in seams for place in surface.position]))
+        ]
+
+
+def _each(part: Part, values: tuple[float, float, float]) -> Array:
+    return np.tile(values, (len(part.vertices), 1))

@@ -1,0 +1,67 @@
+"""Depth and segmentation: what a vision node may believe."""
+
+import moderngl
+import numpy as np
+
+from drone_render import view
+from drone_render.image import Picture
+from drone_render.renderer import Renderer
+from drone_sim.scene import Scene
+
+from .drawing import Make
+
+SCENE = """
+render: {sky: {}, water: {}}
+objects:
+  ball: {model: ball, pose: [6, 1, 0.2], mass: 1}
+  part: {model: ball, parent: ball, pose: [0, -2, 0]}
+  lake: {model: floor, pose: [0, 0, -1.01], static: true, shading: water}
+cameras: {front: {size: [160, 120], pose: [0.5, 0, 0.3, 0, 0.05, 0.02]}}
+"""
+
+
+def measure(scene: Scene, graphics: moderngl.Context) -> tuple[np.ndarray, np.ndarray]:
+    """Depth in m and labels, (height, width) each."""
+    width, height = scene.cameras["front"].size
+    depth, labels = Picture((width, height), "front", "32FC1"), Picture((width, height), "front", "16UC1")
+    with Renderer(scene, graphics, tolerance=0.0) as renderer:
+        renderer.measure("front", renderer.hierarchy.start, 0.0, depth, labels)
+    return (np.frombuffer(depth.pixels(), np.float32).reshape(height, width),
+            np.frombuffer(labels.pixels(), np.uint16).reshape(height, width))
+
+
+def test_points_of_the_depth_image_lie_on_what_is_there(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene(SCENE)
+    depth, labels = measure(scene, graphics)
+    camera = scene.cameras["front"]
+    rows, columns = np.indices(depth.shape)
+    rays = np.dstack([columns, rows, np.ones_like(rows)]) @ np.linalg.inv(view.intrinsics(camera)).T
+    with np.errstate(invalid="ignore"):
+        optical = np.dstack([rays * depth[..., None], np.ones_like(depth)])
+    world = optical @ (view.matrices(view.pose(camera.pose)) @ view.matrices(view.OPTICAL)).T
+    for label, middle in ((1, [6, 1, 0.2]), (2, [6, -1, 0.2])):
+        away = np.linalg.norm(world[labels == label][:, :3] - middle, axis=1)
+        assert len(away) > 50
+        np.testing.assert_allclose(away, 0.5, atol=0.01)  # a ball of triangles
+    np.testing.assert_allclose(world[labels == 3][:, 2], -1.0, atol=2e-3)
+    assert np.isinf(depth[labels == 0]).all() and (labels[0] == 0).all() and (labels[-1] == 3).all()
+
+
+def test_colours_are_the_same_after_measuring(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene(SCENE)
+    pictures = [Picture((160, 120), "front") for _ in range(2)]
+    with Renderer(scene, graphics) as renderer:
+        renderer.draw("front", renderer.hierarchy.start, 0.0, pictures[0])
+        renderer.measure("front", renderer.hierarchy.start, 0.0, Picture((160, 120), "", "32FC1"),
+                         Picture((160, 120), "", "16UC1"))
+        renderer.draw("front", renderer.hierarchy.start, 0.0, pictures[1])
+    assert pictures[0].pixels() == pictures[1].pixels()
+
+
+def test_a_camera_can_be_added(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = make_scene(SCENE)
+    with Renderer(scene, graphics) as renderer:
+        renderer.adopt(scene.with_cameras("close: {parent: ball, pose: [-2, 0, 0], size: [64, 48]}"))
+        picture = Picture((64, 48), "close")
+        renderer.draw("close", renderer.hierarchy.start, 0.0, picture)
+        assert np.frombuffer(picture.pixels(), np.uint8).std() > 10
