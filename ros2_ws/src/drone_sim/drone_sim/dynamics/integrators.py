@@ -184,25 +184,22 @@ def moved(i, position, orientation, start, moving):
 def runge_kutta(stage, i, position, orientation, velocity, angular, inverse_mass, inertia, force, torque, trial, h):
     """Stage 0 to 3 of the classical scheme for body i, with the forces at its trial state: adds the slope to the sum in
     the second half of trial (n, 26), whose first half is the start, and sets the next trial state, at last the end."""
-    q, w = orientation[i], angular[i]
-    m = matrix(q[0], q[1], q[2], q[3])
-    wx, wy, wz = m[0] * w[0] + m[3] * w[1] + m[6] * w[2], m[1] * w[0] + m[4] * w[1] + m[7] * w[2], (
-        m[2] * w[0] + m[5] * w[1] + m[8] * w[2])
-    tx, ty, tz = torque[i, 0], torque[i, 1], torque[i, 2]
+    q, w, t = orientation[i], angular[i], trial[i]
+    if stage == 0:  # spin is followed in the body's own frame
+        t[10], t[11], t[12] = to_body(orientation, i, w[0], w[1], w[2])
+    wx, wy, wz = to_body(orientation, i, w[0], w[1], w[2])
+    tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
     ix, iy, iz = inertia[i, 0], inertia[i, 1], inertia[i, 2]
-    ax = (m[0] * tx + m[3] * ty + m[6] * tz + wy * wz * (iy - iz)) / ix  # Euler's equations, in the body
-    ay = (m[1] * tx + m[4] * ty + m[7] * tz + wz * wx * (iz - ix)) / iy
-    az = (m[2] * tx + m[5] * ty + m[8] * tz + wx * wy * (ix - iy)) / iz
-    # of spin in the world: R (dw/dt) in the body, since w x w = 0
-    bx, by, bz = m[0] * ax + m[1] * ay + m[2] * az, m[3] * ax + m[4] * ay + m[5] * az, m[6] * ax + m[7] * ay + m[8] * az
-    ux, uy, uz = 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]
-    px, py, pz = ux * q[3] + uy * q[2] - uz * q[1], uy * q[3] + uz * q[0] - ux * q[2], uz * q[3] + ux * q[1] - uy * q[0]
+    ax = (tx + wy * wz * (iy - iz)) / ix  # Euler's equations
+    ay = (ty + wz * wx * (iz - ix)) / iy
+    az = (tz + wx * wy * (ix - iy)) / iz
+    ux, uy, uz = 0.5 * wx, 0.5 * wy, 0.5 * wz
+    px, py, pz = q[3] * ux + q[1] * uz - q[2] * uy, q[3] * uy + q[2] * ux - q[0] * uz, q[3] * uz + q[0] * uy - q[1] * ux
     pw = -ux * q[0] - uy * q[1] - uz * q[2]
     weight = h / 6.0 if stage == 0 or stage == 3 else h / 3.0
     ahead = 0.5 * h if stage < 2 else h
-    t = trial[i]
     slope = (velocity[i, 0], velocity[i, 1], velocity[i, 2], px, py, pz, pw, inverse_mass[i] * force[i, 0],
-             inverse_mass[i] * force[i, 1], inverse_mass[i] * force[i, 2], bx, by, bz)
+             inverse_mass[i] * force[i, 1], inverse_mass[i] * force[i, 2], ax, ay, az)
     for c in range(13):
         t[13 + c] = weight * slope[c] + (t[13 + c] if stage else 0.0)
     for c in range(3):
@@ -216,3 +213,4 @@ def runge_kutta(stage, i, position, orientation, velocity, angular, inverse_mass
     norm = 1.0 / math.sqrt(square)
     for c in range(4):
         orientation[i, c] *= norm
+    angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, w[0], w[1], w[2])
