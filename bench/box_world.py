@@ -38,10 +38,11 @@ class Setting:
     substeps: int = 8
     integrator: str = DEFAULT
     sleep: bool = False
+    passes: int = Dynamics().passes
 
     def yaml(self) -> str:
         return (f"rates: {{physics: {self.rate!r}}}\ndynamics: {{integrator: {self.integrator}, "
-                f"substeps: {self.substeps}, sleep: {str(self.sleep).lower()}}}\n")
+                f"substeps: {self.substeps}, passes: {self.passes}, sleep: {str(self.sleep).lower()}}}\n")
 
     def __str__(self) -> str:
         sleep = ", bodies may sleep" if self.sleep else ""

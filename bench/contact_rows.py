@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from box_world import Setting
 from engines import Boxes, Engine, MuJoCo, Ours, PyBullet
-from heap import FRICTION, RATE, SUBSTEPS, heap
+from heap import FRICTION, PASSES, RATE, SUBSTEPS, heap
 from report import Row
 
 FALL, SETTLE, REST = 240, 470, 240  # steps: falling, from there to rest, and watched at rest
@@ -53,8 +53,8 @@ class Rates(NamedTuple):
 def heap_rows(movable: int, size: Size) -> Iterator[Row]:
     """Falling and resting, and how well."""
     boxes = Boxes(heap(movable), 0.0, FRICTION)
-    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS)), MuJoCo(boxes, RATE), MuJoCo(boxes, RATE, "CG"),
-                             PyBullet(boxes, RATE)]
+    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS, passes=PASSES)), MuJoCo(boxes, RATE),
+                             MuJoCo(boxes, RATE, "CG"), PyBullet(boxes, RATE)]
     work = f"150 static and {movable:,} movable boxes"
     start = engines[0].energy()
     falling = fall(engines, size.rounds)

@@ -15,7 +15,7 @@ os.environ["SCIPY_ARRAY_API"] = "1"  # which crazyflow needs before SciPy is imp
 import contact_rows
 import flight_rows
 from contact_rows import FULL, QUICK, Size
-from heap import RATE, SUBSTEPS
+from heap import PASSES, RATE, SUBSTEPS
 from report import Row, report
 
 PEERS = ("mujoco", "pybullet", "crazyflow", "rotorpy")
@@ -41,7 +41,7 @@ def main() -> None:
     for row in rows(size):
         found.append(row)
         print(f"{row.work}: {row.ours:.4g} {row.unit}", flush=True)
-    report("dynamics", {"step": f"1/{RATE:g} s", "substeps": SUBSTEPS, "cores": 1, "rates": "by CPU time, medians",
+    report("dynamics", {"step": f"1/{RATE:g} s", "substeps": SUBSTEPS, "passes": PASSES, "cores": 1, "rates": "by CPU time, medians",
                         "rounds": size.rounds, "versions": {name: version(name) for name in PEERS},
                         "given": "published figures of one machine, times MuJoCo here over MuJoCo there"}, found)
 
