@@ -42,7 +42,8 @@ def main() -> None:
         found.append(row)
         print(f"{row.work}: {row.ours:.4g} {row.unit}", flush=True)
     report("dynamics", {"step": f"1/{RATE:g} s", "substeps": SUBSTEPS, "passes": PASSES, "cores": 1,
-                        "rates": "by CPU time, medians", "rounds": size.rounds, "versions": {name: version(name) for name in PEERS},
+                        "rates": "by CPU time, medians", "rounds": size.rounds,
+                        "versions": {name: version(name) for name in PEERS},
                         "given": "published figures of one machine, times MuJoCo here over MuJoCo there"}, found)
 
 
