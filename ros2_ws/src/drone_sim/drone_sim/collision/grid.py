@@ -141,8 +141,7 @@ class Grid:
         """Pairs a < b of overlapping boxes, sorted by a, then b. Raises ValueError for bounds that are no box."""
         self.room(len(low))
         movers, still = (np.flatnonzero(solid & which) for which in (movable, ~movable))
-        if not np.array_equal(still, self._static) or changed(low, high, self._static, self._static_boxes):
-            self.settle(low, high, still)
+        self.settle(low, high, still)
         while True:
             answer, count, tests = find_pairs(low, high, movers, len(movers), NONE, *self.tables())
             if answer == DONE:
@@ -168,7 +167,7 @@ class Grid:
         if answer == NEW_LEVELS:
             both = np.concatenate([movers, self._static])
             self._take_levels(_levels(*_checked(low[both], high[both])))
-            self.settle(low, high, self._static)
+            self._bin(low, high, self._static)
         elif answer == MORE_ENTRIES:
             self._start, self._bucket, self._listed, self._entry = _table(self._marks.shape[1], 2 * count)
         elif answer == MORE_PAIRS:
@@ -187,7 +186,12 @@ class Grid:
         return places[:, 1:] * edges[:, None], edges
 
     def settle(self, low: Floats, high: Floats, still: Integers) -> None:
-        """Bins bodies that will stay where they are. Raises ValueError for bounds of no box."""
+        """Bins bodies that will stay where they are, unless they are there already. Raises ValueError for bounds of no
+        box."""
+        if not np.array_equal(still, self._static) or changed(low, high, self._static, self._static_boxes):
+            self._bin(low, high, still)
+
+    def _bin(self, low: Floats, high: Floats, still: Integers) -> None:
         self._static, self._static_boxes = still, np.array([low[still], high[still]])
         home = self._marks[0]
         if not stand(low, high, still, len(still), self._levels, home):
@@ -213,7 +217,7 @@ class Grid:
             else:
                 self._patience = 1
                 self._take_levels(levels)
-                self.settle(low, high, self._static)
+                self._bin(low, high, self._static)
             self._wait = self._patience
 
     def _take_levels(self, levels: Floats) -> None:
