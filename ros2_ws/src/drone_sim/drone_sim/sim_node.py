@@ -22,6 +22,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from drone_sim import kernel
+from drone_sim.audience import Audience
 from drone_sim.markers import markers
 from drone_sim.mesh import MeshError
 from drone_sim.messages import diagnostics, scene_message
@@ -103,6 +104,7 @@ class SimNode(Node):
         self._world, self._telemetry = world, Telemetry(world)
         self._outputs = {topic: self.create_publisher(CLASSES[type_], topic, RELIABLE)
                          for topic, type_ in self._telemetry.topics.items()}
+        self._audience = Audience({topic: output.get_subscription_count for topic, output in self._outputs.items()})
         self._inputs = [self.create_subscription(Twist, flight.cmd_vel,
                                                  lambda twist, name=name: self._on_command(name, twist), 10)
                         for name, thing in world.scene.objects.items() if (flight := thing.flight)]
@@ -165,15 +167,13 @@ class SimNode(Node):
 
     def _publish(self) -> None:
         start = self._now()
-        for topic, message in self._telemetry.messages(self._is_heard):
+        self._audience.look()
+        for topic, message in self._telemetry.messages(self._audience.heard):
             self._outputs[topic].publish(message)
         every = max(1, round(self._world.scene.rates.physics / MARKER_RATE))
         if int(self._world.state.step[0]) % every == 0 and self._marker_output.get_subscription_count():
             self._marker_output.publish(markers(self._world, self._telemetry.time_ns))
         self._publishing += self._now() - start
-
-    def _is_heard(self, topic: str) -> bool:
-        return bool(self._outputs[topic].get_subscription_count())
 
     # Commands
 

@@ -1,6 +1,6 @@
 """What a world tells the graph every step, as serialized messages: filled from arrays, ready to be published."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Container, Iterator
 from enum import Enum
 
 import numpy as np
@@ -61,10 +61,10 @@ class Telemetry:
         self._static.stamp(time_ns)
         return bytes(self._static)
 
-    def messages(self, heard: Callable[[str], object] = lambda topic: True) -> Iterator[tuple[str, bytes]]:
+    def messages(self, heard: Container[str]) -> Iterator[tuple[str, bytes]]:
         """Topic and message of all that this step has to say.
 
-        heard: whether anybody listens to a topic; what a scene may have a thousand of is left out where nobody does.
+        heard: the topics that somebody listens to; poses, odometry and collisions are left out where nobody does.
         """
         world, now = self._world, self.time_ns
         step = int(world.state.step[0])
@@ -76,12 +76,12 @@ class Telemetry:
             yield "joint_states", self._filled(self._joints, now, position=world.state.rotor_angle,
                                                velocity=world.state.rotor_rate)
         for (topic, message), pose in zip(self._poses.items(), poses, strict=True):
-            if heard(topic):
+            if topic in heard:
                 yield topic, self._filled(message, now, pose=pose)
         for (topic, message), row, twist in zip(self._odometry.items(), self._drone_rows, self._twists(), strict=True):
-            if heard(topic):
+            if topic in heard:
                 yield topic, self._filled(message, now, pose=poses[row], twist=twist)
-        if heard("collisions") and len((meetings := world.meetings).phase):
+        if "collisions" in heard and len((meetings := world.meetings).phase):
             yield "collisions", self._collision_events(meetings, now)
 
     def _collision_events(self, meetings: Meetings, time_ns: int) -> bytes:
