@@ -97,13 +97,14 @@ class SimNode(Node):
 
     def _run(self, world: World) -> None:
         """Replaces whatever runs."""
-        for output in self._outputs.values():
-            self.destroy_publisher(output)
         for subscription in self._inputs:
             self.destroy_subscription(subscription)
         self._world, self._telemetry = world, Telemetry(world)
-        self._outputs = {topic: self.create_publisher(CLASSES[type_], topic, RELIABLE)
-                         for topic, type_ in self._telemetry.topics.items()}
+        topics = self._telemetry.topics
+        for topic in self._outputs.keys() - topics.keys():
+            self.destroy_publisher(self._outputs.pop(topic))
+        for topic in topics.keys() - self._outputs.keys():
+            self._outputs[topic] = self.create_publisher(CLASSES[topics[topic]], topic, RELIABLE)
         self._audience = Audience({topic: output.get_subscription_count for topic, output in self._outputs.items()})
         self._inputs = [self.create_subscription(Twist, flight.cmd_vel,
                                                  lambda twist, name=name: self._on_command(name, twist), 10)

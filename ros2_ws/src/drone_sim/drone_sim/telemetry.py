@@ -45,6 +45,7 @@ class Telemetry:
         self._poses = {f"{name}/pose": layouts.pose_stamped("world") for name in movable}
         self._odometry = {f"{name}/odom": layouts.odometry("world", name) for name in drones}
         self._collisions = layouts.CollisionEvents(bodies.names)
+        self._collision_events(world.meetings, 0)  # compiles now what the first to listen would wait for
         self._static = layouts.transforms(fixed.parents, fixed.names)
         if fixed.names:
             self._static.write("pose", fixed.pose_p)
