@@ -11,6 +11,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -36,6 +37,8 @@ CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odom
            Type.JOINTS: JointState, Type.COLLISIONS: CollisionEvents}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
+NO_CALLBACKS = PublisherEventCallbacks(use_default_callbacks=False)  # for which each publisher of a thousand would be
+# asked in every round of the executor; a subscriber that wants more than is offered is warned in its own process
 MOST_STEPS = 10_000  # of one call; nothing else is answered meanwhile
 MARKER_RATE = 10.0  # Hz of simulated time, and only while somebody looks
 LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
@@ -104,7 +107,8 @@ class SimNode(Node):
         for topic in self._outputs.keys() - topics.keys():
             self.destroy_publisher(self._outputs.pop(topic))
         for topic in topics.keys() - self._outputs.keys():
-            self._outputs[topic] = self.create_publisher(CLASSES[topics[topic]], topic, RELIABLE)
+            self._outputs[topic] = self.create_publisher(CLASSES[topics[topic]], topic, RELIABLE,
+                                                         event_callbacks=NO_CALLBACKS)
         self._audience = Audience({topic: output.get_subscription_count for topic, output in self._outputs.items()})
         self._inputs = [self.create_subscription(Twist, flight.cmd_vel,
                                                  lambda twist, name=name: self._on_command(name, twist), 10)
