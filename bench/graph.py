@@ -1,8 +1,9 @@
 """The whole graph on this machine: start-up, real-time factor, and how many camera frames come and arrive.
 
 Starts every node as a user would and listens in a process with default settings to the poses of the user's drone
-and to one camera, 640x480 at 60 Hz: of the island, and of the hangar, which costs half as much to draw. A frame
-counts once, by its stamp; its bytes are checked to be a picture. How many were published is what drone_render says.
+and to one camera, 640x480 at 60 Hz: of the island, of the hangar, which costs half as much to draw, and of a thousand
+crates that fall. A frame counts once, by its stamp; its bytes are checked to be a picture. How many were published is
+what drone_render says.
 """
 
 import argparse
@@ -28,6 +29,8 @@ from sensor_msgs.msg import Image
 ROOT = Path(__file__).parents[1]
 WARM_UP = 3.0  # s of simulated time before the counting starts
 SETTLING = 1.0  # s in which the listener makes itself known, before anybody else is there
+CROWD = "crates"  # keeps up with the clock; what else is asked is asked of scenes that are drawn 60 times a second
+CROWDED = ("one camera drawn", ": frames that arrive", "of one core")
 HEADER = 12  # bytes: encoding, seconds, nanoseconds
 
 
@@ -109,7 +112,7 @@ def main() -> None:
     seconds, runs = (5.0, 1) if options.quick else (options.seconds, options.runs)
 
     rows = []
-    for scene in ("island", "hangar"):
+    for scene in ("island", "hangar", CROWD):
         rows += measure(scene, options.camera, seconds, runs)
     report("graph", {"camera": options.camera, "size": "640x480", "physics": 30, "draw": 60, "seconds": seconds,
                      "runs": runs, "numbers": "medians", "start": "kernels and shaders compiled before"}, rows)
@@ -134,7 +137,7 @@ def measure(scene: str, camera: str, seconds: float, runs: int) -> list[Row]:
         print(f"{scene}, run {run + 1} of {runs}: "
               + ", ".join(f"{name} {values[-1]:.4g}" for name, values in numbers.items()), flush=True)
     m = {name: statistics.median(values) for name, values in numbers.items()}
-    return [
+    rows = [
         Row(f"{scene}: start to first pose", "s", m["pose"], "at most 3", m["pose"] <= 3.0),
         Row(f"{scene}: start to first frame", "s", m["frame"], "at most 5", m["frame"] <= 5.0),
         Row(f"{scene}: real-time factor, one camera drawn", "", m["factor"], "at least 0.99", m["factor"] >= 0.99),
@@ -142,6 +145,7 @@ def measure(scene: str, camera: str, seconds: float, runs: int) -> list[Row]:
         Row(f"{scene}: published frames that arrive", "%", m["arrived"], "at least 99", m["arrived"] >= 99.0),
         Row(f"{scene}: CPU of all nodes, of one core", "%", m["cpu"]),
     ]
+    return [row for row in rows if scene != CROWD or row.work.endswith(CROWDED)]
 
 
 if __name__ == "__main__":

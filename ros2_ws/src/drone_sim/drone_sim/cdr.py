@@ -42,6 +42,10 @@ class Layout:
         self._append(4, struct.pack("<I", value))
         return self
 
+    def uint64(self, value: int) -> Self:
+        self._append(8, struct.pack("<Q", value))
+        return self
+
     def float64(self, name: str, count: int) -> Self:
         """`count` numbers to be filled in; the same name again adds a row to them. ROS aligns even for none."""
         return self._floats(name, count, 8)

@@ -1,8 +1,12 @@
 """The layouts of what the simulation publishes every step; each function's message is written with the names given."""
 
+import struct
 from collections.abc import Iterable, Sequence
 
-from drone_sim.cdr import Layout, Message
+import numpy as np
+
+from drone_sim.arrays import Floats, Integers
+from drone_sim.cdr import ENCODING, Layout, Message
 
 
 def clock() -> Message:
@@ -63,3 +67,45 @@ def line_markers(frame: str, lines: Iterable[tuple[str, int]]) -> Message:
         message.write("width", (0.01, 0.0, 0.0))
         message.write("colour", 1.0)
     return message
+
+
+class CollisionEvents:
+    """drone_interfaces/CollisionEvents among bodies of these names, laid out anew for the events of each step.
+
+    An event is a phase, two names, a level and eight float64, so that the next one starts at a multiple of 8.
+    """
+
+    def __init__(self, names: Sequence[str], frame: str = "world") -> None:
+        texts = [name.encode() + b"\0" for name in names]
+        padded = [struct.pack("<I", len(text)) + text + bytes(-len(text) % 4) for text in texts]
+        self._names = np.frombuffer(b"".join(padded), "<u4")
+        self._words = np.array([len(name) // 4 for name in padded], np.int64)  # of each name, with its length
+        self._begin = np.cumsum(self._words) - self._words
+        self._bare = np.array([4 + len(text) for text in texts], np.int64)  # bytes of each name without its padding
+        self._frame = frame
+
+    def message(self, time_ns: int, step: int, phase: Integers, pairs: Integers, level: Integers,
+                numbers: Floats) -> bytes:
+        """phase, level: (n,). pairs: (n, 2) bodies. numbers: (n, 8) point, normal, depth, impulse."""
+        top = Layout().header(self._frame).uint64(step).uint32(len(phase)).message()
+        top.stamp(time_ns)
+        head = bytes(top)[len(ENCODING) :]
+        a, b = pairs.T
+        shift = np.zeros(len(phase), np.int64)
+        shift[:1] = len(head) % 8  # the first event alone starts at no multiple of 8
+        level_at = shift + 4 + 4 * self._words[a] + self._bare[b]  # from the multiple of 8
+        numbers_at = level_at + 1 + -(level_at + 1) % 8
+        size = numbers_at + 8 * numbers.shape[1]
+        at = len(head) // 8 * 8 + np.cumsum(size) - size
+
+        body = np.zeros(8 + len(head) // 8 * 8 + int(size.sum()), np.uint8)
+        body[: len(head)] = np.frombuffer(head, np.uint8)
+        body[at + shift] = phase
+        body.view("<f8")[(at + numbers_at)[:, None] // 8 + np.arange(numbers.shape[1])] = numbers
+        first = (at + shift + 4) // 4
+        for name, place in ((a, first), (b, first + self._words[a])):
+            words = self._words[name]
+            nth = np.arange(words.sum()) - np.repeat(np.cumsum(words) - words, words)  # word of its name
+            body.view("<u4")[np.repeat(place, words) + nth] = self._names[np.repeat(self._begin[name], words) + nth]
+        body[at + level_at] = level  # last, as it may stand within a name's last word
+        return ENCODING + body[: int(at[-1] + size[-1]) if len(at) else len(head)].tobytes()

@@ -1,10 +1,8 @@
-"""What the simulation says in messages with lists and words: events, the scene, diagnostics."""
+"""What the simulation says in words, and seldom: the scene, diagnostics."""
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from drone_interfaces.msg import CollisionEvent, CollisionEvents
 from drone_interfaces.msg import Scene as SceneMessage
-from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import Header
 
 from drone_sim.cdr import SECOND
@@ -28,23 +26,12 @@ def scene_message(world: World) -> SceneMessage:
         objects=list(scene.objects), cameras=list(scene.cameras))
 
 
-def collision_events(world: World, time_ns: int) -> CollisionEvents:
-    """The events of the last step."""
-    names = world.model.bodies.names
-    events = [
-        CollisionEvent(
-            phase=int(event.phase), object_a=names[event.a], object_b=names[event.b], level=event.level,
-            point=Point(**dict(zip("xyz", event.point, strict=True))),
-            normal=Vector3(**dict(zip("xyz", event.normal, strict=True))),
-            depth=event.depth, impulse=event.impulse)
-        for event in world.events
-    ]
-    header = Header(stamp=time_message(time_ns), frame_id="world")
-    return CollisionEvents(header=header, step=int(world.state.step[0]), events=events)
+def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, rejected: int, lag: float,
+                publishing_us: float) -> DiagnosticArray:
+    """Rates in Hz of wall time (asked: 0 if as fast as it can), commands rejected so far, s of wall time given up.
 
-
-def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, rejected: int, lag: float) -> DiagnosticArray:
-    """Rates in Hz of wall time (asked: 0 if as fast as it can), commands rejected so far, s of wall time given up."""
+    publishing_us: what it took to say how things are, per step.
+    """
     late = asked > 0.0 and rate < KEEPING_UP * asked
     status = DiagnosticStatus(
         level=DiagnosticStatus.WARN if late else DiagnosticStatus.OK,
@@ -58,5 +45,6 @@ def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, reject
             *(KeyValue(key=f"contacts at level {level}", value=str(count))
               for level, count in world.contact_counts().items()),
             *(KeyValue(key=f"{name}, us per step", value=f"{us:.1f}") for name, us in world.stage_times().items()),
+            KeyValue(key="publishing, us per step", value=f"{publishing_us:.1f}"),
         ])
     return DiagnosticArray(header=Header(stamp=time_message(time_ns)), status=[status])

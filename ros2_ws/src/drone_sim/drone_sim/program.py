@@ -121,6 +121,7 @@ class Program:
             report(i, len(self.stages), stage.name)
             if stage.kernel is not None:
                 self.function[i] = _enter(stage.kernel, self._kept[i]).address
+        run(self.function[:0], self.row[:0], 0, 0)
 
     def run(self, steps: int, first: int = 0, last: int | None = None) -> None:
         """Runs this many times from stage `first` to before `last`, attending to what stops it."""

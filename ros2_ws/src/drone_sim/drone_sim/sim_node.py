@@ -11,6 +11,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -22,9 +23,10 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from drone_sim import kernel
+from drone_sim.audience import Audience
 from drone_sim.markers import markers
 from drone_sim.mesh import MeshError
-from drone_sim.messages import collision_events, diagnostics, scene_message
+from drone_sim.messages import diagnostics, scene_message
 from drone_sim.pacing import Pacer
 from drone_sim.process import run
 from drone_sim.scene import SceneError, load
@@ -32,9 +34,11 @@ from drone_sim.telemetry import Telemetry, Type
 from drone_sim.world import World
 
 CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odometry, Type.TRANSFORMS: TFMessage,
-           Type.JOINTS: JointState}
+           Type.JOINTS: JointState, Type.COLLISIONS: CollisionEvents}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
+NO_CALLBACKS = PublisherEventCallbacks(use_default_callbacks=False)  # for which each publisher of a thousand would be
+# asked in every round of the executor; a subscriber that wants more than is offered is warned in its own process
 MOST_STEPS = 10_000  # of one call; nothing else is answered meanwhile
 MARKER_RATE = 10.0  # Hz of simulated time, and only while somebody looks
 LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
@@ -57,12 +61,12 @@ class SimNode(Node):
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._state = SimulationState.STATE_LOADING_WORLD
         self._rejected = 0
+        self._publishing = 0.0  # s of wall time since the last report
         self._timer: rclpy.timer.Timer | None = None
         self._outputs: dict[str, rclpy.publisher.Publisher] = {}
         self._inputs: list[rclpy.subscription.Subscription] = []
         self._scene_output = self.create_publisher(SceneMessage, "scene", KEPT)
         self._static_output = self.create_publisher(TFMessage, "tf_static", KEPT)
-        self._collision_output = self.create_publisher(CollisionEvents, "collisions", RELIABLE)
         self._marker_output = self.create_publisher(MarkerArray, "debug/markers", 1)
         self._diagnostics_output = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         for service, name, answer in ((LoadWorld, "load_world", self._on_load),
@@ -96,13 +100,16 @@ class SimNode(Node):
 
     def _run(self, world: World) -> None:
         """Replaces whatever runs."""
-        for output in self._outputs.values():
-            self.destroy_publisher(output)
         for subscription in self._inputs:
             self.destroy_subscription(subscription)
         self._world, self._telemetry = world, Telemetry(world)
-        self._outputs = {topic: self.create_publisher(CLASSES[type_], topic, RELIABLE)
-                         for topic, type_ in self._telemetry.topics.items()}
+        topics = self._telemetry.topics
+        for topic in self._outputs.keys() - topics.keys():
+            self.destroy_publisher(self._outputs.pop(topic))
+        for topic in topics.keys() - self._outputs.keys():
+            self._outputs[topic] = self.create_publisher(CLASSES[topics[topic]], topic, RELIABLE,
+                                                         event_callbacks=NO_CALLBACKS)
+        self._audience = Audience({topic: output.get_subscription_count for topic, output in self._outputs.items()})
         self._inputs = [self.create_subscription(Twist, flight.cmd_vel,
                                                  lambda twist, name=name: self._on_command(name, twist), 10)
                         for name, thing in world.scene.objects.items() if (flight := thing.flight)]
@@ -164,13 +171,14 @@ class SimNode(Node):
             self._finished.set_result(None)
 
     def _publish(self) -> None:
-        for topic, message in self._telemetry.messages():
+        start = self._now()
+        self._audience.look()
+        for topic, message in self._telemetry.messages(self._audience.heard):
             self._outputs[topic].publish(message)
-        if self._world.events:
-            self._collision_output.publish(collision_events(self._world, self._telemetry.time_ns))
         every = max(1, round(self._world.scene.rates.physics / MARKER_RATE))
         if int(self._world.state.step[0]) % every == 0 and self._marker_output.get_subscription_count():
             self._marker_output.publish(markers(self._world, self._telemetry.time_ns))
+        self._publishing += self._now() - start
 
     # Commands
 
@@ -277,8 +285,10 @@ class SimNode(Node):
         rate = (step - last) / (now - before) if now > before else 0.0
         asked = self._factor * self._world.scene.rates.physics if self._is_running() else 0.0
         lag = self._pacer.lag if self._pacer else 0.0
+        publishing, self._publishing = self._publishing, 0.0
         self._diagnostics_output.publish(diagnostics(
-            self._world, self._telemetry.time_ns, rate=rate, asked=asked, rejected=self._rejected, lag=lag))
+            self._world, self._telemetry.time_ns, rate=rate, asked=asked, rejected=self._rejected, lag=lag,
+            publishing_us=1e6 * publishing / max(step - last, 1)))
 
 
 def main(args: list[str] | None = None) -> int:

@@ -1,6 +1,6 @@
 """What a world tells the graph every step, as serialized messages: filled from arrays, ready to be published."""
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from enum import Enum
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from drone_sim import layouts
 from drone_sim.arrays import Floats
 from drone_sim.cdr import SECOND, Message
+from drone_sim.collision.events import Meetings
 from drone_sim.rotation import compose, inverse, rotate_all
 from drone_sim.world import World
 
@@ -22,6 +23,7 @@ class Type(Enum):
     ODOMETRY = "nav_msgs/msg/Odometry"
     TRANSFORMS = "tf2_msgs/msg/TFMessage"
     JOINTS = "sensor_msgs/msg/JointState"
+    COLLISIONS = "drone_interfaces/msg/CollisionEvents"
 
 
 class Telemetry:
@@ -42,6 +44,8 @@ class Telemetry:
         self._joints = layouts.joint_state(rotors.names) if rotors.names else None
         self._poses = {f"{name}/pose": layouts.pose_stamped("world") for name in movable}
         self._odometry = {f"{name}/odom": layouts.odometry("world", name) for name in drones}
+        self._collisions = layouts.CollisionEvents(bodies.names)
+        self._collision_events(world.meetings, 0)  # compiles now what the first to listen would wait for
         self._static = layouts.transforms(fixed.parents, fixed.names)
         if fixed.names:
             self._static.write("pose", fixed.pose_p)
@@ -50,7 +54,7 @@ class Telemetry:
     def topics(self) -> dict[str, Type]:
         """Topic of everything that `messages` gives."""
         joints = {"joint_states": Type.JOINTS} if self._joints else {}
-        return {"/clock": Type.CLOCK, "tf": Type.TRANSFORMS, **joints,
+        return {"/clock": Type.CLOCK, "tf": Type.TRANSFORMS, "collisions": Type.COLLISIONS, **joints,
                 **dict.fromkeys(self._poses, Type.POSE), **dict.fromkeys(self._odometry, Type.ODOMETRY)}
 
     def static(self, time_ns: int) -> bytes:
@@ -58,8 +62,11 @@ class Telemetry:
         self._static.stamp(time_ns)
         return bytes(self._static)
 
-    def messages(self) -> Iterator[tuple[str, bytes]]:
-        """Topic and message of all that this step has to say."""
+    def messages(self, heard: Container[str]) -> Iterator[tuple[str, bytes]]:
+        """Topic and message of all that this step has to say.
+
+        heard: the topics that somebody listens to; poses, odometry and collisions are left out where nobody does.
+        """
         world, now = self._world, self.time_ns
         step = int(world.state.step[0])
         poses = world.object_poses()[self._movable]
@@ -70,9 +77,20 @@ class Telemetry:
             yield "joint_states", self._filled(self._joints, now, position=world.state.rotor_angle,
                                                velocity=world.state.rotor_rate)
         for (topic, message), pose in zip(self._poses.items(), poses, strict=True):
-            yield topic, self._filled(message, now, pose=pose)
+            if topic in heard:
+                yield topic, self._filled(message, now, pose=pose)
         for (topic, message), row, twist in zip(self._odometry.items(), self._drone_rows, self._twists(), strict=True):
-            yield topic, self._filled(message, now, pose=poses[row], twist=twist)
+            if topic in heard:
+                yield topic, self._filled(message, now, pose=poses[row], twist=twist)
+        if "collisions" in heard and len((meetings := world.meetings).phase):
+            yield "collisions", self._collision_events(meetings, now)
+
+    def _collision_events(self, meetings: Meetings, time_ns: int) -> bytes:
+        of = meetings.of
+        pairs = np.stack([of.key >> 32, of.key & 0xFFFFFFFF], axis=1)
+        numbers = np.concatenate([of.touch[:, :3], of.normal, of.touch[:, 3:]], axis=1)
+        return self._collisions.message(time_ns, int(self._world.state.step[0]), meetings.phase, pairs, of.level,
+                                        numbers)
 
     @property
     def time_ns(self) -> int:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drone_interfaces.msg import CollisionEvent, CollisionEvents
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
@@ -113,6 +114,25 @@ def test_joint_state(count: int) -> None:
                            velocity=(-np.arange(float(count))).tolist())
     set_stamp(reference.header.stamp)
     assert_same(bytes(message), reference)
+
+
+@pytest.mark.parametrize("frame", ["world", "w", "map", "a_frame"])  # where the first event starts differs
+@pytest.mark.parametrize("count", [0, 1, 2, 150])
+def test_collision_events(count: int, frame: str) -> None:
+    rng = np.random.default_rng(count)
+    called = [*names(18), *("a" * n for n in range(20, 28))]
+    pairs = rng.integers(len(called), size=(count, 2))
+    phase, level = rng.integers(3, size=count), rng.integers(4, size=count)
+    numbers = rng.normal(size=(count, 8))
+    reference = CollisionEvents(step=(7 << 40) + 5)
+    reference.header.frame_id = frame
+    set_stamp(reference.header.stamp)
+    for (a, b), p, at, row in zip(pairs, phase.tolist(), level.tolist(), numbers.tolist(), strict=True):
+        event = CollisionEvent(phase=p, object_a=called[a], object_b=called[b], level=at, depth=row[6], impulse=row[7])
+        event.point.x, event.point.y, event.point.z, event.normal.x, event.normal.y, event.normal.z = row[:6]
+        reference.events.append(event)
+    data = layouts.CollisionEvents(called, frame).message(TIME_NS, reference.step, phase, pairs, level, numbers)
+    assert_same(data, reference)
 
 
 def test_bytes_do_not_change_behind_a_publisher() -> None:

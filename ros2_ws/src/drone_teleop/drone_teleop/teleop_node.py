@@ -16,6 +16,7 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from simulation_interfaces.msg import Result, SimulationState
 from simulation_interfaces.srv import ResetSimulation, SetSimulationState
@@ -71,7 +72,7 @@ class TeleopNode(Node):
         self.create_subscription(Scene, "scene", self._on_scene, LATCHED)
         self.create_subscription(String, "camera/select", self._on_camera, LATCHED)
         self.create_subscription(Odometry, f"{self._drone}/odom", self._on_odometry, NEWEST)
-        self.create_subscription(CollisionEvents, "collisions", self._on_collisions, 100)
+        self.create_subscription(CollisionEvents, "collisions", self._on_collisions, 100, raw=True)
         self.create_subscription(DiagnosticArray, "diagnostics", self._on_diagnostics, 10)
 
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -169,8 +170,10 @@ class TeleopNode(Node):
         position = odometry.pose.pose.position
         self._position = (position.x, position.y, position.z)
 
-    def _on_collisions(self, collisions: CollisionEvents) -> None:
-        for event in collisions.events:
+    def _on_collisions(self, data: bytes) -> None:
+        if self._drone.encode() not in data:  # reading thousands of events takes longer than the step they are of
+            return
+        for event in deserialize_message(data, CollisionEvents).events:
             pair = (event.object_a, event.object_b)
             if event.phase == CollisionEvent.BEGIN and self._drone in pair:
                 self._hit = pair[1 - pair.index(self._drone)]

@@ -236,8 +236,8 @@ class Detection:
         if self._meshes:
             self.manifolds = self._meshes.find(self.manifolds, self._now, *pairs)
         self._look_ahead(pairs)
-        self._impacts.keep(self._state)
-        self._impacts.catch(self._state, nothing, nothing, nothing, self._quick, self._meshes)
+        self._impacts.compile(self._state, self._quick, self._meshes)
+        self._settle()
         self.clear()
 
     def _place_all(self) -> None:

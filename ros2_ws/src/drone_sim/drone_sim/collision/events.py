@@ -43,6 +43,13 @@ class Touching(NamedTuple):
     touch: Floats  # (k, 5) deepest point, depth, impulse
 
 
+class Meetings(NamedTuple):
+    """Events as arrays: those of the pairs that touch, then those of the pairs that no longer do."""
+
+    phase: Integers  # (k,)
+    of: Touching  # (k,) as they touch, or did last
+
+
 @kernel
 def all_touches(count, points, point, separation, total, out):
     """Writes how each manifold touches, (m, 5)."""
@@ -72,7 +79,7 @@ class Events:
         self._manifolds, self._asleep = manifolds, asleep
 
     @property
-    def current(self) -> list[Event]:
+    def current(self) -> Meetings:
         m = self._manifolds()
         count, touch = m.count, np.empty((m.count, 5))
         all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
@@ -84,14 +91,15 @@ class Events:
         now = Touching(*(np.concatenate([one, other[sleeping]]) for one, other in zip(now, asleep, strict=True)))
         went_on = np.isin(now.key, np.concatenate([before.key, asleep.key]))
         ended = ~np.isin(before.key, now.key)
-        over = Touching(before.key[ended], before.level[ended], before.normal[ended], before.touch[ended])
-        return [*_events(now, np.where(went_on, Phase.PERSIST, Phase.BEGIN)),
-                *_events(over, np.full(len(over.key), Phase.END))]
+        phase = np.concatenate([np.where(went_on, Phase.PERSIST, Phase.BEGIN), np.full(ended.sum(), Phase.END)])
+        return Meetings(phase, Touching(*(np.concatenate([one, other[ended]])
+                                          for one, other in zip(now, before, strict=True))))
 
 
-def _events(of: Touching, phases: Integers) -> list[Event]:
-    phase = [Phase(number) for number in range(3)]
+def as_events(meetings: Meetings) -> list[Event]:
+    """One tuple for each."""
+    phase, of = [Phase(number) for number in range(3)], meetings.of
     return [Event(phase[p], key >> 32, key & 0xFFFFFFFF, level, (x, y, z), tuple(normal), depth, impulse)
             for p, key, level, normal, (x, y, z, depth, impulse) in zip(
-                phases.tolist(), of.key.tolist(), of.level.tolist(), of.normal.tolist(), of.touch.tolist(),
+                meetings.phase.tolist(), of.key.tolist(), of.level.tolist(), of.normal.tolist(), of.touch.tolist(),
                 strict=True)]

@@ -72,6 +72,14 @@ class Impacts:
         self._half, self._dt = half, dt
         self._room = sweep.room()
 
+    def compile(self, state: State, quick: Booleans, meshes: Meshes | None) -> None:
+        """Compiles what only a step with fast bodies needs."""
+        nothing = np.empty(0, np.int64)
+        self.keep(state)
+        self.catch(state, nothing, nothing, nothing, quick, meshes)
+        for orientation in state.orientation_w[:1]:
+            turn_between(orientation, orientation)
+
     def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
               meshes: Meshes | None) -> tuple[Placed, Integers]:
         """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2
