@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drone_sim.collision.levels import lookup
 from drone_sim.scene import SceneError
 from drone_sim.world import World
 
@@ -65,7 +66,9 @@ d_0: {model: crate, mass: 1, pose: [15, 0, 0]}
 d_1: {model: crate, mass: 1, pose: [19, 0, 0]}
 """
     w = world(things, said("obb", ", pairs: [{between: [a, c], level: octree}, {between: [d, c], level: none}]"))
-    levels, _ = w.detection.levels.of(np.array([0, 0, 1, 2, 2, 0]), np.array([1, 2, 2, 3, 4, 3]))
+    levels, everything = np.empty((2, 6), np.int64)
+    lookup(6, np.array([0, 0, 1, 2, 2, 0]), np.array([1, 2, 2, 3, 4, 3]), *w.detection.levels.tables(), levels,
+           everything)
     assert levels.tolist() == [3, 2, 3, -1, -1, 0]
 
 

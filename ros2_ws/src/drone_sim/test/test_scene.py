@@ -125,7 +125,7 @@ def test_a_huge_file_is_refused_unread(path: object) -> None:
 
 
 def test_a_scene_that_is_not_there_names_those_that_are() -> None:
-    with pytest.raises(SceneError, match="no scene 'atlantis'; there are hangar, island, ring"):
+    with pytest.raises(SceneError, match="no scene 'atlantis'; there are crates, hangar, island, lagoon, ring"):
         load("atlantis")
 
 
