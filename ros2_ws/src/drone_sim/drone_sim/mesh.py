@@ -4,6 +4,7 @@ import io
 import logging
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,15 +65,33 @@ def bounds(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]
 
     Reads nothing but the vertices. Raises MeshError.
     """
+    vertices = read_vertices(path)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low.flags.writeable = high.flags.writeable = False
+    return low, high
+
+
+def read_vertices(path: Path) -> npt.NDArray[np.float64]:
+    """The vertices (v, 3) as they stand in the file, m. Raises MeshError."""
     rows = [line.split()[1:4] for line in _text(path).splitlines() if line.startswith("v ")]
     try:
         vertices = np.array(rows, dtype=np.float64)
     except ValueError:
         raise MeshError(f"{path}: a vertex is not three numbers") from None
     _check_vertices(path, vertices)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    low.flags.writeable = high.flags.writeable = False
-    return low, high
+    return vertices
+
+
+def read_faces(path: Path) -> npt.NDArray[np.int64]:
+    """Triangles (f, 3) of the vertices as they stand in the file; polygons are fans. What is no number is left out."""
+    faces = []
+    for line in _text(path).splitlines():
+        if line.startswith("f "):
+            corners = [word.split("/")[0] for word in line.split()[1:]]
+            if all(corner.isdigit() for corner in corners):
+                first, *rest = (int(corner) - 1 for corner in corners)
+                faces += [(first, *pair) for pair in pairwise(rest)]
+    return np.array(faces, np.int64).reshape(-1, 3)
 
 
 def load(path: Path) -> Model:

@@ -1,7 +1,8 @@
 """What a scene's things are, as arrays: nothing here changes while the scene runs.
 
 Bodies are the objects without a parent that can be touched or can move, in the order of the scene. A body's own
-point, whose motion is simulated, is the centre of its box, taken as its centre of mass.
+point, whose motion is simulated, is the centre of its box, taken as its centre of mass; its inertia is that of what
+its surface encloses.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,6 +15,7 @@ import numpy as np
 
 from drone_sim import mesh
 from drone_sim.arrays import Booleans, Floats, Integers
+from drone_sim.inertia import moments
 from drone_sim.rotation import from_rpy, rotate_all
 from drone_sim.scene import Flight, MeetingLevel, Object, Scene, SceneError
 from drone_sim.strict import Pose
@@ -36,7 +38,7 @@ class Bodies:
     centre_b: Floats  # (n, 3) where the box's centre is in the object
     mass: Floats  # (n,) 0 for what does not move
     inverse_mass: Floats  # (n,) 0 for what does not move
-    inertia_b: Floats  # (n, 3) principal moments about the centre of the box
+    inertia_b: Floats  # (n, 3) moments about the axes of the box
     friction: Floats  # (n,)
     restitution: Floats  # (n,)
     start_w: Floats  # (n, 7) pose of the centre at the start
@@ -153,7 +155,8 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
         size = " x ".join(f"{2 * side:g}" for side in half[i])
         raise SceneError(f"{scene.path}: objects.{names[i]}.model: {scene.model_path(names[i])} has no volume that "
                          f"can move: each side needs {THINNEST:g} to {THICKEST:g} m, got {size} m")
-    squares = half**2
+    per_mass = np.array([moments(scene.model_path(name)) if moves else (0.0, 0.0, 0.0)
+                         for name, moves in zip(names, movable, strict=True)]).reshape(-1, 3)
     start_w = _poses(thing.pose for thing in things)
     start_w[:, :3] += rotate_all(start_w[:, 3:], centre_b)
     return Bodies(
@@ -164,7 +167,7 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
         centre_b=centre_b,
         mass=mass,
         inverse_mass=np.divide(1.0, mass, out=np.zeros_like(mass), where=movable),
-        inertia_b=mass[:, None] / 3 * (squares.sum(1, keepdims=True) - squares),  # of a solid box
+        inertia_b=mass[:, None] * per_mass,
         friction=np.array([thing.friction for thing in things]),
         restitution=np.array([thing.restitution for thing in things]),
         start_w=start_w,
