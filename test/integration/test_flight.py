@@ -115,10 +115,15 @@ def test_pushes_the_television_and_is_pushed_back(
     def phases() -> set[int]:
         return {event.phase for event in meetings("pusher", "television")}
 
+    def slowed_down() -> bool:
+        speeds = [message.twist.twist.linear.x for message in flown]
+        fastest = max(speeds)
+        return min(speeds[speeds.index(fastest):]) < 0.5 * fastest
+
     with graph.repeating(commands, FAST):
         graph.wait_for(lambda: CollisionEvent.PERSIST in phases(), "the drone to meet the television")
         graph.wait_for(lambda: television[-1].pose.position.x > start.x + 0.02, "the television to move")
-        graph.wait_for(lambda: min(message.twist.twist.linear.x for message in flown) < -0.1, "the push back")
+        graph.wait_for(slowed_down, "the push back")
     with graph.repeating(commands, BACK):
         graph.wait_for(lambda: CollisionEvent.END in phases(), "the drone to let go")
     met = next(meetings("pusher", "television"))

@@ -20,7 +20,7 @@ def test_a_signal_ends_the_simulation_cleanly(graph: Graph, spawn: Spawn, number
 @pytest.mark.parametrize(("parameters", "said"), [
     ({"rtf": 2000.0}, "drone_sim: Invalid parameter value (2000.0)"),
     ({"rtf": "fast"}, "drone_sim: Trying to set parameter 'rtf' to 'fast' of type 'STRING', expecting type 'DOUBLE'"),
-    ({"scene": "atlantis"}, "drone_sim: no scene 'atlantis'; there are hangar, island, ring"),
+    ({"scene": "atlantis"}, "drone_sim: no scene 'atlantis'; there are crates, hangar, island, lagoon, ring"),
 ])
 def test_a_parameter_that_cannot_be_is_refused_in_one_line(
         spawn: Spawn, parameters: dict[str, object], said: str) -> None:
