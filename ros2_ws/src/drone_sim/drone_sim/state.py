@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from drone_sim.arrays import Floats, Integers
+from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.model import Model
 
 
@@ -48,6 +48,13 @@ class State:
             still=np.zeros(n),
             step=np.zeros(1, np.int64),
         )
+
+    @property
+    def is_awake(self) -> Booleans:
+        """Which bodies move and are not asleep, (n,)."""
+        mask: Booleans = np.zeros(len(self.awake) - 1, np.bool_)
+        mask[self.awake[1 : 1 + self.awake[0]]] = True
+        return mask
 
     def remember(self, name: str, start: Floats) -> Floats:
         """Keeps an array as part of the state, with these numbers at the start."""

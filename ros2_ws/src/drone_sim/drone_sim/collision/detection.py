@@ -184,7 +184,7 @@ class Detection:
     def _attend(self, code: int) -> str | None:
         """Makes the broad phase able to go on."""
         low, high, needed = self._low, self._high, int(self._count[NEEDED])
-        movers = np.flatnonzero(self._awake() & self._model.bodies.solid)
+        movers = np.flatnonzero(self._state.is_awake & self._model.bodies.solid)
         again: str | None = "broad phase"
         if code == OTHERS_STAND_STILL:
             self.on_waking()
@@ -198,12 +198,6 @@ class Detection:
         self.bind()
         return again
 
-    def _awake(self) -> Booleans:
-        awake = self._state.awake
-        mask: Booleans = np.zeros(len(awake) - 1, np.bool_)
-        mask[awake[1 : 1 + awake[0]]] = True
-        return mask
-
     def _settle(self) -> None:
         """Puts all that is not awake into the grid."""
         bodies, s = self._model.bodies, self._state
@@ -211,10 +205,10 @@ class Detection:
         bounds(s.position_w, self.axes, bodies.half, self._radius, s.velocity_w, self._dt, MARGIN, self._low,
                self._high)
         self._quick[:] = False
-        self.sleeping[:] = bodies.movable & ~self._awake()
+        self.sleeping[:] = bodies.movable & ~self._state.is_awake
         self._low[self._planes], self._high[self._planes] = -np.inf, np.inf
         self._high[self._planes, 2] = self._floor_of[self._planes]
-        self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._awake()))
+        self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._state.is_awake))
         self._binned[:] = s.awake
 
     def prepare(self) -> None:
@@ -229,7 +223,6 @@ class Detection:
 
     def compile(self) -> None:
         """Compiles what a step may need beside the stages, so that no step has to."""
-        self._place_all()
         nothing = np.empty(0, np.int64)
         pairs = nothing, nothing, np.empty(0), nothing, nothing, np.empty(0)
         self._append_rough(self._now, pairs)
@@ -239,9 +232,6 @@ class Detection:
         self._impacts.compile(self._state, self._quick, self._meshes)
         self._settle()
         self.clear()
-
-    def _place_all(self) -> None:
-        axes_of(self._state.orientation_w, self.axes)
 
     def clear(self) -> None:
         """Forgets the last step."""

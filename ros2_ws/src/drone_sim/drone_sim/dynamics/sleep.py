@@ -126,10 +126,8 @@ class Sleep:
                     break
                 woken[pair[touched]] = True
         s = self._setting.state
-        awake = np.zeros(len(woken), np.bool_)
-        awake[s.awake[1 : 1 + s.awake[0]]] = True
         s.still[woken & movable] = 0.0
-        self._set_awake(awake | (woken & movable))
+        self._set_awake(s.is_awake | (woken & movable))
 
     def _set_awake(self, awake: np.ndarray) -> None:
         which = np.flatnonzero(awake)
@@ -147,10 +145,8 @@ class Sleep:
         """Gives the contacts of those who have woken to the last step's, from which this step's start."""
         if not len(self._part):
             return
-        s, m, movable = self._setting.state, self._detection.manifolds, self._setting.model.bodies.movable
-        awake = np.zeros(len(movable), np.bool_)
-        awake[s.awake[1 : 1 + s.awake[0]]] = True
-        back = (awake | ~movable)[self._kept["pair"]].all(axis=1)
+        m, movable = self._detection.manifolds, self._setting.model.bodies.movable
+        back = (self._setting.state.is_awake | ~movable)[self._kept["pair"]].all(axis=1)
         if not back.any():
             return
         count = int(m.last.end[-1])
@@ -168,8 +164,7 @@ class Sleep:
 
     def _send_to_sleep(self, code: int) -> None:
         s, m = self._setting.state, self._detection.manifolds
-        awake = np.zeros(len(self._root), np.bool_)
-        awake[s.awake[1 : 1 + s.awake[0]]] = True
+        awake = s.is_awake
         asleep = awake & (self._patience[self._root] >= PATIENCE)
         s.velocity_w[asleep] = s.angular_velocity_w[asleep] = 0.0
         self._set_awake(awake & ~asleep)
