@@ -144,9 +144,14 @@ def samplers(program: moderngl.Program, **units: int) -> None:
             program[name] = unit
 
 
+def setter(program: moderngl.Program, name: str) -> Callable[[bytes], object] | None:
+    """What sets a uniform of the program, or a member of the facet that it is given; None if it has no such thing."""
+    uniform = program.get(name, None) or program.get(f"given.{name}", None)
+    return uniform.write if isinstance(uniform, moderngl.Uniform) else None
+
+
 def write(program: moderngl.Program, **uniforms: npt.ArrayLike) -> None:
     """Sets the uniforms, numbers or packed already, that the program has. What a variant does not use is not in it."""
     for name, value in uniforms.items():
-        uniform = program.get(name, None)
-        if isinstance(uniform, moderngl.Uniform):
-            uniform.write(value if isinstance(value, bytes) else packed(value))
+        if (put := setter(program, name)) is not None:
+            put(value if isinstance(value, bytes) else packed(value))

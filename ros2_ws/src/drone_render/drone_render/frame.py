@@ -9,7 +9,7 @@ from drone_render.view import Array
 
 @dataclass(frozen=True)
 class Sun:
-    """The light that distance does not weaken: where it is, and its colour times its intensity."""
+    """The light whose rays are parallel: where it is, and its colour times its intensity."""
 
     position: Array
     colour: Array

@@ -1,6 +1,5 @@
 """Parts of models as the graphics device wants them: tangents, bounding spheres, textures."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,19 +10,22 @@ from PIL import Image
 from drone_render.view import Array
 from drone_sim.mesh import MeshError, Part
 
+STEEPEST = 4.0  # slope that a normal may have where two maps are packed into one
 LOSS = 1.5  # of 255; how far colours may be off, in the mean, where two maps are packed into one
 
 
 @dataclass(frozen=True)
 class PackedMap:
-    """A colour map and a normal map in one: RGBA bytes of the pixels, and the `ramp` that brings the colours back.
+    """A colour map and a normal map in one: RGBA bytes of the pixels, and what brings colours and normals back.
 
-    colour = ramp[0] + ramp[1] * r + ramp[2] * g; b and a are x and y of the normal, from 0 to 1.
+    colour = ramp[0] + ramp[1] * r + ramp[2] * g; the normal's x / z and y / z are steepness * (2 * (b, a) - 1), as
+    slopes mix rightly in mip maps, and need no root.
     """
 
     size: tuple[int, int]
     data: bytes
     ramp: npt.NDArray[np.float32]
+    steepness: float
 
 
 def tangents(part: Part) -> npt.NDArray[np.float32]:
@@ -50,11 +52,12 @@ def tangents(part: Part) -> npt.NDArray[np.float32]:
     return np.hstack([u, side[:, None]]).astype(np.float32)
 
 
-def sphere(vertices: Sequence[npt.NDArray[np.float32]]) -> tuple[Array, float]:
-    """Centre (3,) and radius of a sphere around vertices, each (n, 3): about the middle of their box."""
-    points = np.vstack(vertices).astype(np.float64)
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    return centre, float(np.linalg.norm(points - centre, axis=1).max())
+def bounds(vertices: npt.NDArray[np.float32]) -> tuple[Array, Array, float]:
+    """The box around vertices (n, 3), its middle (3,) and half its edges (3,), and the radius of a sphere about it."""
+    points = vertices.astype(np.float64)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2
+    return middle, (high - low) / 2, float(np.linalg.norm(points - middle, axis=1).max())
 
 
 def pixels(path: Path) -> tuple[tuple[int, int], bytes]:
@@ -79,13 +82,17 @@ def pack(colour_map: Path, normal_map: Path) -> PackedMap | None:
     colours -= middle
     some = colours[::17]
     axes = np.linalg.eigh(some.T @ some)[1][:, 1:].astype(np.float32)
+    axes *= np.where(axes.sum(axis=0) < 0, -1, 1)  # or rounding down would brighten some, darken others
     if float(np.abs(some - some @ axes @ axes.T).mean()) > LOSS:
         return None
     along = colours @ axes
     low, span = along.min(axis=0), np.maximum(np.ptp(along, axis=0), 1.0)
-    data = np.hstack([(along - low) / span * 255, normals[:, :2]])
+    normals = normals / 127.5 - 1
+    slopes = np.clip(normals[:, :2] / np.maximum(normals[:, 2:], 1 / STEEPEST), -STEEPEST, STEEPEST)
+    steepness = max(float(np.abs(slopes).max()), 1e-3)
+    data = np.hstack([(along - low) / span * 255, 127.5 + 127.5 / steepness * slopes])
     ramp = np.vstack([middle + axes @ low, axes.T * span[:, None]]) / 255
-    return PackedMap(size, np.rint(data).astype(np.uint8).tobytes(), ramp.astype(np.float32))
+    return PackedMap(size, np.rint(data).astype(np.uint8).tobytes(), ramp.astype(np.float32), steepness)
 
 
 def _rgb(path: Path) -> tuple[tuple[int, int], npt.NDArray[np.float32]]:

@@ -74,15 +74,12 @@ class Lighting:
         self.colours = np.array([light.colour for light in lights]).reshape(-1, 3)
         self.colours *= np.array([light.intensity for light in lights]).reshape(-1, 1)
         self.falloff = np.array([0.0 if light.reach is None else light.reach**-2 for light in lights])
-        # What ends at DARK is stretched so that it starts at 1.
-        self.colours *= np.where(self.falloff > 0, 1 / (1 - DARK), 1.0)[:, None]
-        sun = self.sun()
-        far = sun is not None and self._parents[sun] is None and np.linalg.norm(self._offsets[sun, :3, 3]) > PARALLEL
-        self.parallel = sun if far else None
-        """The sun, if it is so far away that its rays are parallel: drawn apart from the other lights."""
+        self.parallel = self._sun()
+        """The sun, whose rays are parallel: drawn apart from the other lights."""
         if self.parallel is not None:
             self.colours[self.parallel] *= daylight.sun(hierarchy.scene.render.daylight)
-        self._cut = np.where(self.falloff > 0, DARK, 0.0)  # taken off, so that a light ends somewhere
+        self._end = self.falloff * DARK / (1 - DARK)  # 1 / m^2, of the distance at which a light has ended
+        self._brightness = self.colours.max(axis=1, initial=0.0)
         self.lit = np.array(
             [[light.parent not in {name, *hierarchy.ancestors(name)} for light in lights] for name in hierarchy.names],
             dtype=np.bool_,
@@ -96,7 +93,7 @@ class Lighting:
 
     def uniforms(self, places: Array) -> npt.NDArray[np.float32]:
         """What the shaders take of each light, (lights, 8), or (lights, 12) where there are beams; see lights.glsl."""
-        columns = [places[:, :3, 3], self.falloff, self.colours, self._cut]
+        columns = [places[:, :3, 3], self.falloff, self.colours, self._end]
         if self.beams:
             # Full along the beam, nothing from its edge on; what shines all around has no axis.
             scale = np.where(self._edges > -1, 1 / np.maximum(1 - self._edges, 1e-9), 0.0)
@@ -104,31 +101,33 @@ class Lighting:
         return np.column_stack(columns).astype(np.float32)
 
     def strongest(
-        self, places: Array, rows: npt.NDArray[np.intp], centres: Array, radii: Array
+        self, places: Array, rows: npt.NDArray[np.intp], boxes: Array, halves: Array
     ) -> Sequence[tuple[int, ...]]:
-        """For each sphere (centres (n, 3), radii (n,)) of the objects `rows`, the brightest first: LIGHTS at most.
+        """For each box (matrices (n, 4, 4), half its edges (n, 3)) of the objects `rows`, LIGHTS at most, the brightest
+        first.
 
-        places: of the lights. The parallel one is not among them, nor any whose beam misses the sphere.
+        places: of the lights. The parallel one is not among them, nor any whose beam misses the sphere around the box.
         """
-        way = centres[:, None] - places[None, :, :3, 3]
-        distance = np.linalg.norm(way, axis=2)
-        away = distance - radii[:, None]
-        left = 1 / (1 + np.square(np.maximum(away, 0.0)) * self.falloff) - self._cut
-        strength = np.where(self.lit[rows], left * self.colours.max(axis=1, initial=0.0), 0.0)
+        way = boxes[:, None, :3, 3] - places[None, :, :3, 3]
+        aside = np.maximum(np.abs(way @ boxes[:, :3, :3]) - halves[:, None], 0.0)
+        square = np.einsum("nli,nli->nl", aside, aside)
+        left = np.maximum(1 - square * self._end, 0.0) / (1 + square * self.falloff)
+        strength = np.where(self.lit[rows], left * self._brightness, 0.0)
         if self.beams:
-            distance = np.maximum(distance, 1e-9)
+            distance = np.maximum(np.linalg.norm(way, axis=2), 1e-9)
             turn = np.arccos(np.clip(np.einsum("nli,li->nl", way, places[:, :3, 0]) / distance, -1, 1))
-            nearest = turn - np.arcsin(np.minimum(radii[:, None] / distance, 1.0))
-            strength = np.where((away > 0) & (nearest >= np.arccos(self._edges)), 0.0, strength)
+            width = np.linalg.norm(halves, axis=1)[:, None] / distance
+            nearest = turn - np.arcsin(np.minimum(width, 1.0))
+            strength = np.where((width < 1) & (nearest >= np.arccos(self._edges)), 0.0, strength)
         if self.parallel is not None:
             strength[:, self.parallel] = 0.0
         order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]
         counts = (strength > UNSEEN).sum(axis=1)
         return [tuple(lights[:count]) for lights, count in zip(order.tolist(), counts.tolist(), strict=True)]
 
-    def sun(self) -> int | None:
-        """The brightest of the lights that distance does not weaken, or None."""
-        endless = np.flatnonzero(self.falloff == 0)
-        if not len(endless):
-            return None
-        return int(endless[np.argmax(self.colours[endless].max(axis=1))])
+    def _sun(self) -> int | None:
+        """The brightest of the lights that distance does not weaken and that stand far away, or None."""
+        away = np.linalg.norm(self._offsets[:, :3, 3], axis=1) > PARALLEL
+        free = np.array([parent is None for parent in self._parents], dtype=np.bool_)
+        far = np.flatnonzero((self.falloff == 0) & away & free)
+        return int(far[np.argmax(self.colours[far].max(axis=1))]) if len(far) else None

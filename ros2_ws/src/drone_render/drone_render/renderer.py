@@ -76,8 +76,7 @@ class Renderer:
         )
         solid = {row: model for row, model in enumerate(self._models) if not self._is_water[row]}
         self._solid = SolidPass(self._device, render, solid, self._lighting, self._tolerance)
-        self._sun = self._lighting.sun()
-        has_sun = self._sun is not None
+        has_sun = self._lighting.parallel is not None
         colours = None if render.sky is None else SkyColours.of(self._device, render.sky, render.daylight)
         self._water = None
         if render.water is not None and self._is_water.any():
@@ -122,8 +121,8 @@ class Renderer:
         camera = self.scene.cameras[name]
         place = self.hierarchy.camera(name, world, time)
         sun = None
-        if self._sun is not None:
-            sun = Sun(self._lighting.places(world)[self._sun, :3, 3], self._lighting.colours[self._sun])
+        if (number := self._lighting.parallel) is not None:
+            sun = Sun(self._lighting.places(world)[number, :3, 3], self._lighting.colours[number])
         clip = view.projection(camera) @ view.view(place)
         half = math.tan(camera.fov / 2)
         tangents = half, half * camera.size[1] / camera.size[0]
@@ -143,6 +142,7 @@ class Renderer:
             self._water.begin(frame)
             for row in np.flatnonzero(self._is_water):
                 self._water.draw(self._models[row], packed(world[row].T))
+            self._context.disable(moderngl.BLEND)
         if self._sky is not None:
             self._sky.draw(frame, self._domes(frame, world))
         if self._lines is not None:

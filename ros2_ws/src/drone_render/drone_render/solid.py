@@ -19,16 +19,16 @@ from drone_render.view import Array
 from drone_sim.look import Render
 from drone_sim.mesh import Model
 
-TOLERANCE = 1.25  # pixels that a level of detail may be off by
+TOLERANCE = 1.5  # pixels that a level of detail may be off by
 
 
 class Seen(NamedTuple):
-    """Pieces in the order in which they are drawn: their numbers, centres (m, 3) in the world, transposed matrices
-    (m, 4, 4), levels of detail."""
+    """Pieces in the order in which they are drawn: their numbers, matrices (m, 4, 4) of their boxes in the world, bytes
+    of their models' matrices, levels of detail."""
 
     pieces: npt.NDArray[np.intp]
-    centres: Array
-    matrices: npt.NDArray[np.float32]
+    boxes: Array
+    models: list[bytes]
     levels: list[Level]
 
 
@@ -51,8 +51,13 @@ class SolidPass:
         self._rows = np.array([row for row, _ in pairs], dtype=np.intp)
         smooth = render.antialiasing is not None
         self._marks = marks([(row, id(piece.surface)) for row, piece in pairs]) if smooth else []
-        self._centres = np.array([piece.centre for piece in self._pieces]).reshape(-1, 3)
+        self._middles = np.array([piece.middle for piece in self._pieces]).reshape(-1, 3)
+        self._halves = np.array([piece.half for piece in self._pieces]).reshape(-1, 3)
         self._radii = np.array([piece.radius for piece in self._pieces])
+        deepest = max((len(piece.levels) for piece in self._pieces), default=1)
+        self._errors = np.full((len(self._pieces), deepest), np.inf)
+        for row, piece in zip(self._errors, self._pieces, strict=True):
+            row[: len(piece.levels)] = [level.error for level in piece.levels]
 
     def warm_up(self) -> None:
         """Draws with every program that can occur: the driver compiles each at its first use, which takes a while."""
@@ -63,59 +68,62 @@ class SolidPass:
                 variant = piece.surface.variant(count)
                 if variant not in seen:
                     seen.add(variant)
-                    array = piece.surface.array(count)
-                    write(array.program, view_projection=np.eye(4), model=np.eye(4))
-                    piece.surface.maps.use(array.program)
-                    array.render()
+                    draw = piece.surface.draw(count)
+                    write(draw.program, view_projection=np.eye(4), model=np.eye(4))
+                    piece.surface.maps.use()
+                    draw.array.render()
 
-    def _seen(self, frame: Frame, world: Array) -> Seen:
+    def _seen(self, frame: Frame, world: Array, tolerance: float) -> Seen:
         """What the camera sees of the objects at their matrices (n, 4, 4)."""
-        places = world[self._rows]
-        centres = np.einsum("nij,nj->ni", places[:, :3, :3], self._centres) + places[:, :3, 3]
+        boxes = world[self._rows]
+        models = packed(boxes.transpose(0, 2, 1))
+        boxes[:, :3, 3] += np.einsum("nij,nj->ni", boxes[:, :3, :3], self._middles)
+        centres = boxes[:, :3, 3]
         planes = view.frustum(frame.view_projection)
         seen = np.flatnonzero((centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]).all(axis=1))
         # What is near hides what is far, and is drawn first; what reaches far, such as the ground, comes late.
         away = np.linalg.norm(centres[seen] - frame.eye, axis=1)
         order = np.argsort(away + self._radii[seen], kind="stable")
         seen, away = seen[order], away[order]
-        allowed = self._tolerance * frame.pixel * np.maximum(away - self._radii[seen], 0.0)
-        matrices = np.ascontiguousarray(places[seen].transpose(0, 2, 1), dtype=np.float32)
-        levels = [self._pieces[i].level(most) for i, most in zip(seen.tolist(), allowed.tolist(), strict=True)]
-        return Seen(seen, centres[seen], matrices, levels)
+        allowed = tolerance * frame.pixel * np.maximum(away - self._radii[seen], 0.0)
+        fewest = (self._errors[seen] <= allowed[:, None]).sum(axis=1) - 1
+        levels = [self._pieces[i].levels[k] for i, k in zip(seen.tolist(), fewest.tolist(), strict=True)]
+        return Seen(seen, boxes[seen], [models[64 * i : 64 * (i + 1)] for i in seen.tolist()], levels)
 
     def measure(self, frame: Frame, world: Array, ranges: RangePass) -> None:
-        """Draws the shapes that the camera sees, for their distances."""
-        index, _, matrices, levels = self._seen(frame, world)
-        for i, matrix, level in zip(index.tolist(), matrices, levels, strict=True):
-            ranges.place(matrix, int(self._rows[i]))
+        """Draws the shapes that the camera sees, for their distances, in full detail."""
+        index, _, models, levels = self._seen(frame, world, 0.0)
+        for i, model, level in zip(index.tolist(), models, levels, strict=True):
+            ranges.place(model, int(self._rows[i]))
             self._pieces[i].surface.shape(ranges.program).render(vertices=level.corners, first=level.first)
 
     def draw(self, frame: Frame, world: Array) -> None:
         """Draws what the camera sees of the objects at their matrices (n, 4, 4)."""
-        seen, centres, matrices, levels = self._seen(frame, world)
+        seen, boxes, models, levels = self._seen(frame, world, self._tolerance)
         lighting = self._lighting
         lamps = lighting.places(world)
         lights = lighting.uniforms(lamps)
-        chosen = lighting.strongest(lamps, self._rows[seen], centres, self._radii[seen])
+        chosen = lighting.strongest(lamps, self._rows[seen], boxes, self._halves[seen])
+        rows = {numbers: packed(lights[list(numbers)]) for numbers in set(chosen)}
         shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
         shared["view_projection"] = frame.view_projection.T
         uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
         used: tuple[moderngl.Program, Maps] | None = None
-        for i, matrix, numbers, level in zip(seen.tolist(), matrices, chosen, levels, strict=True):
-            piece = self._pieces[i]
-            surface = piece.surface
-            array = surface.array(len(numbers))
-            program = array.program
-            if program not in begun:
-                begun.add(program)
-                write(program, **uniforms)
-            if used != (program, surface.maps):
-                used = program, surface.maps
-                surface.maps.use(program)
-            program["model"].write(matrix)
-            if self._marks:
-                program["mark"].write(self._marks[i])
-            if numbers:
-                program["lights"].write(lights[list(numbers)])
-            array.render(vertices=level.corners, first=level.first)
+        for i, model, numbers, level in zip(seen.tolist(), models, chosen, levels, strict=True):
+            surface = self._pieces[i].surface
+            draw = surface.draw(len(numbers))
+            if draw.program not in begun:
+                begun.add(draw.program)
+                write(draw.program, **uniforms)
+            if used != (draw.program, surface.maps):
+                used = draw.program, surface.maps
+                surface.maps.use()
+                for put, value in draw.numbers:
+                    put(value)
+            draw.model(model)
+            if draw.mark is not None:
+                draw.mark(self._marks[i])
+            if draw.lights is not None:
+                draw.lights(rows[numbers])
+            draw.array.render(vertices=level.corners, first=level.first)

@@ -1,7 +1,7 @@
 """Models on the device: parts that look alike, cut into pieces, each at several levels of detail."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render import detail
-from drone_render.context import Device, packed
-from drone_render.geometry import pack, sphere, tangents
+from drone_render.context import Device, packed, setter
+from drone_render.geometry import bounds, pack, tangents
 from drone_render.hierarchy import Lighting
 from drone_render.shaders import Variant
 from drone_render.view import Array
@@ -50,19 +50,19 @@ class Maps:
 
     def __init__(self, device: Device, look: Look) -> None:
         packed_map = pack(look.colour_map, look.normal_map) if look.colour_map and look.normal_map else None
-        self.ramp = None if packed_map is None else packed(packed_map.ramp)
+        self.numbers: dict[str, bytes] = {}
+        """What programs need beside them, packed."""
         if packed_map is not None:  # one fetch instead of two: a fetch costs as much as three lights
             self.textures = {"colour_normal_map": device.packed_texture(packed_map)}
+            self.numbers = {"ramp": packed(packed_map.ramp), "steepness": packed(packed_map.steepness)}
         else:
             paths = {"colour_map": look.colour_map, "normal_map": look.normal_map}
             self.textures = {name: device.texture(path) for name, path in paths.items() if path is not None}
 
-    def use(self, program: moderngl.Program) -> None:
-        """Makes them the ones that the program fetches from."""
+    def use(self) -> None:
+        """Makes them the ones that programs fetch from."""
         for unit, texture in enumerate(self.textures.values()):
             texture.use(unit)
-        if self.ramp is not None:
-            program["ramp"].write(self.ramp)  # type: ignore[union-attr]
 
 
 class Level(NamedTuple):
@@ -74,16 +74,26 @@ class Level(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """What is drawn at once: all of a surface, or a block of a wide one; its sphere in the model's frame."""
+    """What is drawn at once: all of a surface, or a block of a wide one. The middle of its box, half the box's edges,
+    and the radius of a sphere about the middle, in the model's frame; the levels of detail, the full one first."""
 
     surface: "Surface"
-    centre: Array
+    middle: Array
+    half: Array
     radius: float
     levels: Sequence[Level]
 
-    def level(self, allowed: float) -> Level:
-        """The one with the fewest triangles that is off by no more than is allowed, in m."""
-        return next(level for level in reversed(self.levels) if level.error <= allowed)
+
+class Draw(NamedTuple):
+    """A surface as a program draws it: what sets that program's matrix, lights and mark, where it has them, and what
+    to set for the surface's maps."""
+
+    program: moderngl.Program
+    array: moderngl.VertexArray
+    numbers: Sequence[tuple[Callable[[bytes], object], bytes]]
+    model: Callable[[bytes], object]
+    lights: Callable[[bytes], object] | None
+    mark: Callable[[bytes], object] | None
 
 
 class Shared(NamedTuple):
@@ -103,13 +113,16 @@ class Surface:
         columns: dict[str, list[npt.NDArray[np.floating]]] = {
             "position": [part.vertices for part in parts],
             "normal": [part.normals for part in parts],
-            "colour": [_each(part, part.material.colour) for part in parts],
-            "specular": [_each(part, part.material.specular) for part in parts],
-            "emission": [_each(part, part.material.emission) for part in parts],
             "uv": [part.uv for part in parts],
-            "tangent": [tangents(part) for part in parts] if look.normal_map else [],
+            "colour": [_each(part, part.material.colour) for part in parts],
         }
-        self._vertices = {name: np.vstack(rows).astype(np.float32) for name, rows in columns.items() if rows}
+        if look.squarings is not None:
+            columns["specular"] = [_each(part, part.material.specular) for part in parts]
+        if self._glows:
+            columns["emission"] = [_each(part, part.material.emission) for part in parts]
+        if look.normal_map is not None:
+            columns["tangent"] = [tangents(part) for part in parts]
+        self._vertices = {name: np.vstack(rows).astype(np.float32) for name, rows in columns.items()}
         first = np.cumsum([0] + [len(part.vertices) for part in parts])
         faces = np.vstack([part.faces + start for part, start in zip(parts, first, strict=False)]).astype(np.int32)
         self.position = self._vertices["position"]
@@ -117,7 +130,7 @@ class Surface:
         self.blocks = [faces[block] for block in detail.blocks(self.position, faces)] if wide else [faces]
         self._attributes: list[tuple[moderngl.Buffer, str, str]] = []
         self._index: moderngl.Buffer | None = None
-        self._arrays: dict[int, moderngl.VertexArray] = {}
+        self._draws: dict[int, Draw] = {}
         self._shapes: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def upload(self, kept: npt.NDArray[np.bool_]) -> list[Piece]:
@@ -134,7 +147,9 @@ class Surface:
                 index.append(used[triangles].astype(np.int32))
                 levels.append(Level(first, triangles.size, error))
                 first += triangles.size
-            pieces.append(Piece(self, *sphere([self.position[used]]), levels))
+            pieces.append(Piece(self, *bounds(self.position[used]), levels))
+        if not self.maps.textures:
+            del self._vertices["uv"]
         self._attributes = [
             (self._device.buffer(rows), f"{rows.shape[1]}f", name) for name, rows in self._vertices.items()
         ]
@@ -151,14 +166,19 @@ class Surface:
             SPECULAR=self._look.squarings or False, **maps,
         )  # fmt: skip
 
-    def array(self, lights: int) -> moderngl.VertexArray:
-        """What to draw with so many lights."""
-        if lights not in self._arrays:
+    def draw(self, lights: int) -> Draw:
+        """How to draw it with so many lights."""
+        if lights not in self._draws:
             program = self._device.program(self.variant(lights))
             for unit, name in enumerate(self.maps.textures):
                 program[name] = unit
-            self._arrays[lights] = self._device.vertex_array(program, self._attributes, self._index)
-        return self._arrays[lights]
+            array = self._device.vertex_array(program, self._attributes, self._index)
+            model = setter(program, "model")
+            assert model is not None
+            numbers = [(put, value) for name, value in self.maps.numbers.items() if (put := setter(program, name))]
+            lamps, mark = setter(program, "lights"), setter(program, "mark")
+            self._draws[lights] = Draw(program, array, numbers, model, lamps, mark)
+        return self._draws[lights]
 
     def shape(self, program: moderngl.Program) -> moderngl.VertexArray:
         """What to draw with a program that takes its shape alone."""

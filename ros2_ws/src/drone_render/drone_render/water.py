@@ -31,7 +31,8 @@ class WaterPass:
         sky = skies is not None
         self._skies = skies
         self._program = device.program(Variant.of(
-            "water", SKY=sky, SUN=sun and sky, SHORE=shore is not None, EDGES=render.antialiasing is not None,
+            "water", SKY=sky, SUN=sun and sky, SHORE=shore is not None,
+            EDGES=shore is None and render.antialiasing is not None,  # what is seen through water keeps its mark
         ))  # fmt: skip
         self._shore = shore
         samplers(self._program, shore=0, colours=1)
@@ -57,6 +58,9 @@ class WaterPass:
         """Sets the camera, and moves the waves to the time of the picture."""
         if self._shore is not None:
             self._shore.texture.use(0)
+            gl = self._device.context
+            gl.enable(moderngl.BLEND)
+            gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
         if self._skies is not None:
             self._skies.texture.use(1)
         write(

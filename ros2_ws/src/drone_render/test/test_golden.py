@@ -36,6 +36,8 @@ cameras: {front: {size: [160, 120], pose: [0, 0, 0.6, 0, 0.15, 0]}}
 """
 SUN = "lights: {sun: {pose: [-200, 200, 300]}}\n"
 LAMP = "lights: {lamp: {pose: [1.5, 0, 1], colour: [1, 0.6, 0.3], reach: 1.5BEAM}}\n"
+BAY = THINGS.replace("floor, pose: [0, 0, -0.5]", "floor, pose: [0, 0, -0.6, 0.1, 0, 0.3]").replace(
+    "objects:", "objects:\n  sea: {model: floor, pose: [0, 0, -0.5], static: true, shading: water}")
 POND = THINGS.replace("static: true}", "static: true, shading: water}")
 FEATURES = {
     "ambient": THINGS,
@@ -44,6 +46,7 @@ FEATURES = {
     "beam": LAMP.replace("BEAM", ", beam: 0.9").replace("1.5, 0, 1]", "1.5, 0, 1, 0, 0.4, 0.4]")
     + "render: {ambient: [0.1, 0.1, 0.1]}\n" + THINGS,
     "normal_mapping": SUN + "render: {normal_mapping: {}}\n" + THINGS,
+    "packed_maps": SUN + "render: {normal_mapping: {}, specular: {}}\n" + THINGS.replace("crate, pose", "grey_crate, pose"),
     "specular": SUN + "render: {specular: {}}\n" + THINGS,
     "antialiasing": SUN + "render: {antialiasing: {}}\n" + THINGS,
     "sky": SUN + "render: {sky: {}}\n" + THINGS,
@@ -51,6 +54,7 @@ FEATURES = {
     "dusk": SUN + "render: {daylight: 0.4, sky: {clouds: clouds, stars: noise}}\n" + THINGS,
     "night": SUN + "render: {daylight: 0.0, sky: {stars: noise}}\n" + THINGS,
     "water": SUN + "render: {water: {}}\n" + POND,
+    "shore": SUN + "render: {sky: {}, water: {}, antialiasing: {}}\n" + BAY,
     "water_and_sky": SUN + "render: {sky: {}, water: {}}\n" + POND,
     "everything": SUN + "render: {sky: {clouds: clouds}, water: {}, normal_mapping: {}, specular: {}, "
     "antialiasing: {}}\n" + POND,

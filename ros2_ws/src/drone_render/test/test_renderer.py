@@ -117,6 +117,13 @@ cameras: {front: {size: [90, 60], fov: 1.2}}
     assert other.max() > 300
 
 
+def boxes(*middles: list[float]) -> np.ndarray:
+    """Matrices of boxes that are not turned."""
+    matrices = np.tile(np.eye(4), (len(middles), 1, 1))
+    matrices[:, :3, 3] = middles
+    return matrices
+
+
 def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None:
     lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, 3], reach: 2, intensity: 1}}" for i in range(9))
     lights += "\n  sun: {pose: [0, 0, 90]}\n"
@@ -124,10 +131,34 @@ def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None
     hierarchy = Hierarchy(scene)
     lighting = Lighting(hierarchy)
     places = lighting.places(hierarchy.world(hierarchy.start))
-    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), np.zeros((1, 3)), np.array([0.5]))
+    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([0, 0, 0]), np.full((1, 3), 0.5))
     assert list(chosen) == [9, 0, 1, 2]
-    (far,) = lighting.strongest(places, np.zeros(1, np.intp), np.array([[500.0, 0, 0]]), np.array([0.5]))
+    (far,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([500, 0, 0]), np.full((1, 3), 0.5))
     assert list(far) == [9]  # the others have ended
+
+
+def test_lights_over_a_wide_floor_count_by_their_distance(make_scene: Make) -> None:
+    lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, {9 - 2 * i}], reach: 2}}" for i in range(5))
+    hierarchy = Hierarchy(make_scene(f"objects: {{floor: {{model: floor, static: true}}}}\nlights:\n{lights}"))
+    lighting = Lighting(hierarchy)
+    places = lighting.places(hierarchy.world(hierarchy.start))
+    turned = boxes([0, 0, 0])
+    turned[0, :3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]  # its thin side is up
+    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), turned, np.array([[20, 0.1, 20]]))
+    assert list(chosen) == [4, 3, 2, 1]
+
+
+def test_only_what_is_far_away_is_the_sun(make_scene: Make, graphics: moderngl.Context) -> None:
+    scene = """
+render: {sky: {}}
+objects: {}
+lights: {lamp: {pose: [PLACE]}}
+cameras: {front: {size: [90, 60], fov: 1.2, pose: [0, 0, 0, 0, -0.5, 0]}}
+"""
+    far, near = (
+        draw(make_scene(scene.replace("PLACE", place)), graphics).astype(int) for place in ("900, 0, 492", "9, 0, 4.92")
+    )
+    assert far[30, 45].sum() > near[30, 45].sum() + 100  # only the one is seen as a disk
 
 
 def test_a_beam_lights_what_is_before_it(make_scene: Make, graphics: moderngl.Context) -> None:
@@ -155,8 +186,8 @@ lights: {lamp: {pose: [0, 0, 3], beam: 0.5, reach: 20}, other: {pose: [0, 0, 3, 
     hierarchy = Hierarchy(scene)
     lighting = Lighting(hierarchy)
     places = lighting.places(hierarchy.world(hierarchy.start))
-    centres = np.array([[0, 0, 0], [5, 0, 3], [0, 0, 3.1]])
-    chosen = lighting.strongest(places, np.zeros(3, np.intp), centres, np.ones(3) / 2)
+    around = boxes([0, 0, 0], [5, 0, 3], [0, 0, 3.1])
+    chosen = lighting.strongest(places, np.zeros(3, np.intp), around, np.full((3, 3), 0.3))
     assert [list(numbers) for numbers in chosen] == [[1], [0], [0, 1]]
 
 

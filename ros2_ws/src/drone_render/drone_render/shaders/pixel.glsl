@@ -1,10 +1,9 @@
 // What a pixel is made of: its colour and, where edges are smoothed, a mark that tells neighbouring surfaces apart.
 #ifdef EDGES
-uniform float mark;
 out vec4 pixel;
 
 void put(vec3 colour) {
-    pixel = vec4(colour, mark);
+    pixel = vec4(colour, facet.mark);
 }
 #else
 out vec3 pixel;

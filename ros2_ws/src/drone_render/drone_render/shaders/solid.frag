@@ -1,11 +1,11 @@
 // Solid things, lit per pixel.
+#include "solid_facet.glsl"
+flat in Facet facet;
 #include "lights.glsl"
 #include "pixel.glsl"
 
 in vec3 surface;
 in vec3 surface_normal;
-flat in vec3 surface_colour;
-uniform vec3 ambient;
 
 #ifdef UV
 in vec2 surface_uv;
@@ -16,7 +16,6 @@ in vec3 surface_bitangent;
 #endif
 #ifdef COLOUR_NORMAL_MAP
 uniform sampler2D colour_normal_map;
-uniform vec3 ramp[3];
 #endif
 #ifdef COLOUR_MAP
 uniform sampler2D colour_map;
@@ -24,21 +23,13 @@ uniform sampler2D colour_map;
 #ifdef NORMAL_MAP
 uniform sampler2D normal_map;
 #endif
-#ifdef EMISSIVE
-flat in vec3 surface_emission;
-#endif
-#ifdef SPECULAR
-flat in vec3 surface_specular;
-uniform vec3 eye;
-#endif
 
 void main() {
-    vec3 base = surface_colour;
+    vec3 base = facet.colour;
 #ifdef COLOUR_NORMAL_MAP
     vec4 both = texture(colour_normal_map, surface_uv);
-    base *= ramp[0] + ramp[1] * both.r + ramp[2] * both.g;
-    vec2 tilt = both.ba * 2.0 - 1.0;
-    vec3 bump = vec3(tilt, sqrt(max(1.0 - dot(tilt, tilt), 0.0)));
+    base *= facet.ramp[0] + facet.ramp[1] * both.r + facet.ramp[2] * both.g;
+    vec3 bump = vec3((both.ba * 2.0 - 1.0) * facet.steepness, 1.0);
 #endif
 #ifdef COLOUR_MAP
     base *= texture(colour_map, surface_uv).rgb;
@@ -47,17 +38,19 @@ void main() {
     vec3 bump = texture(normal_map, surface_uv).xyz * 2.0 - 1.0;
 #endif
 #ifdef BUMPS
-    vec3 n = normalize(surface_tangent * bump.x + surface_bitangent * bump.y + surface_normal * bump.z);
+    vec3 n = surface_tangent * bump.x + surface_bitangent * bump.y + surface_normal * bump.z;
 #else
-    vec3 n = normalize(surface_normal);
+    vec3 n = surface_normal;
 #endif
+    n *= rsqrt(dot(n, n));
 
-    diffuse = ambient * (0.75 + 0.25 * n.z);  // more of it comes from above
+    diffuse = facet.ambient * (0.75 + 0.25 * n.z);  // more of it comes from above
 #ifdef SPECULAR
-    mirrored = reflect(normalize(surface - eye), n);
+    vec3 sight = surface - facet.eye;
+    mirrored = reflect(sight * rsqrt(dot(sight, sight)), n);
 #endif
 #ifdef SUN
-    shine(n, sun_direction, sun_colour, 1.0);
+    shine(facet.sun_colour, facet.sun_direction, 1.0, 1.0, n);
 #endif
 #if LIGHTS > 0
     shine_all(surface, n);
@@ -65,13 +58,13 @@ void main() {
 
     vec3 shade = base * diffuse;
 #ifdef SPECULAR
-    shade += surface_specular * gloss;
+    shade += facet.specular * gloss;
 #endif
 #ifdef EMISSIVE
-#ifdef COLOUR_MAP
-    shade += surface_emission * base;
+#ifdef UV
+    shade += facet.emission * base;
 #else
-    shade += surface_emission;
+    shade += facet.emission;
 #endif
 #endif
     put(shade);

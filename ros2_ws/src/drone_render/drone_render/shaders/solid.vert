@@ -1,12 +1,15 @@
 // Solid things: to the world, and on to the screen.
+#include "solid_facet.glsl"
+
 in vec3 position;
 in vec3 normal;
 in vec3 colour;
 uniform mat4 model;
 uniform mat4 view_projection;
+uniform Facet given;
+flat out Facet facet;
 out vec3 surface;
 out vec3 surface_normal;
-flat out vec3 surface_colour;
 
 #ifdef UV
 in vec2 uv;
@@ -19,30 +22,30 @@ out vec3 surface_bitangent;
 #endif
 #ifdef EMISSIVE
 in vec3 emission;
-flat out vec3 surface_emission;
 #endif
 #ifdef SPECULAR
 in vec3 specular;
-flat out vec3 surface_specular;
 #endif
 
 void main() {
+    facet = given;
+    facet.colour = colour;
+#ifdef EMISSIVE
+    facet.emission = emission;
+#endif
+#ifdef SPECULAR
+    facet.specular = specular;
+#endif
+
     vec4 world = model * vec4(position, 1.0);
     surface = world.xyz;
     surface_normal = mat3(model) * normal;  // models are turned and moved, never stretched
-    surface_colour = colour;
 #ifdef UV
     surface_uv = uv;
 #endif
 #ifdef BUMPS
     surface_tangent = mat3(model) * tangent.xyz;
     surface_bitangent = cross(surface_normal, surface_tangent) * tangent.w;
-#endif
-#ifdef EMISSIVE
-    surface_emission = emission;
-#endif
-#ifdef SPECULAR
-    surface_specular = specular;
 #endif
     gl_Position = view_projection * world;
 }
