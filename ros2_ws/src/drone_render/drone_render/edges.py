@@ -1,4 +1,4 @@
-"""Smooth edges at the price of five fetches a pixel: each surface leaves a mark in the picture's alpha."""
+"""Smooth edges at the price of three fetches a pixel: each surface leaves a mark in the picture's alpha."""
 
 from collections.abc import Hashable, Sequence
 

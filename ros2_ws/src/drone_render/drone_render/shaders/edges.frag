@@ -1,17 +1,15 @@
-// Smooths the steps where two surfaces meet: a pixel takes a share of each of its four neighbours of another mark.
-// Textures stay sharp, as a surface has one mark.
+// Smooths the steps where two surfaces meet: a pixel is mixed with those to the right and below that have another mark.
+// Textures stay sharp, as a surface has one mark. Three fetches instead of five: they are all that this costs.
 uniform sampler2D picture;
 out vec3 pixel;
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    ivec2 last = textureSize(picture, 0) - 1;
+    ivec2 next = min(at + 1, textureSize(picture, 0) - 1);
     vec4 here = texelFetch(picture, at, 0);
-    vec4 left = texelFetch(picture, ivec2(max(at.x - 1, 0), at.y), 0);
-    vec4 right = texelFetch(picture, ivec2(min(at.x + 1, last.x), at.y), 0);
-    vec4 above = texelFetch(picture, ivec2(at.x, max(at.y - 1, 0)), 0);
-    vec4 below = texelFetch(picture, ivec2(at.x, min(at.y + 1, last.y)), 0);
-    vec4 other = 0.2 * vec4(notEqual(vec4(left.a, right.a, above.a, below.a), here.aaaa));
-    pixel = here.rgb * (1.0 - dot(other, vec4(1.0)))
-        + left.rgb * other.x + right.rgb * other.y + above.rgb * other.z + below.rgb * other.w;
+    vec4 right = texelFetch(picture, ivec2(next.x, at.y), 0);
+    vec4 below = texelFetch(picture, ivec2(at.x, next.y), 0);
+    vec2 other = vec2(notEqual(vec2(right.a, below.a), here.aa));
+    other *= 0.4 - 0.15 * other.yx;  // 0.5 of both at a corner
+    pixel = here.rgb * (1.0 - other.x - other.y) + right.rgb * other.x + below.rgb * other.y;
 }
