@@ -42,7 +42,6 @@ hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minut
 	@$(RUN) bench/hard_cases.py $(ARGS); reached=$$?; $(RUN) figures/motion_hard_cases.py; exit $$reached
 
 figures: build  ## draw the pictures and films of the documentation anew
-	@$(RUN) -m drone_render.snapshot island --camera overview --size 1280 720 --out docs/images/island.png
 	@$(RUN) figures/picture.py
 	@$(RUN) figures/island_film.py
 	@$(RUN) figures/levels.py
