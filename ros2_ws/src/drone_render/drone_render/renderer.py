@@ -148,6 +148,7 @@ class Renderer:
         if self._lines is not None:
             self._lines.draw(frame.view_projection, size, self.scene.cameras[name].near)
         if self._edges is not None:
+            self._wait()  # the pass fetches from the picture, and would wait for it without letting threads run
             target = self._edges.draw(size)
         self._wait()
         target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
