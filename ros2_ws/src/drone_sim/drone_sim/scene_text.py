@@ -9,7 +9,7 @@ DEPTH_LIMIT = 32  # levels; far below what overflows the stack of PyYAML, which 
 
 
 def as_json(text: bytes, under: str | None = None) -> str:
-    """The same in JSON, with one object for each of several 'poses'; as what stands under a scene's key if one is given.
+    """The same in JSON, with one object for each of several 'poses'; with `under`, as what a scene says under that key.
 
     Raises ValueError in one line: where, and what is wrong with it.
     """

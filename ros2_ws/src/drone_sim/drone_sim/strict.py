@@ -22,7 +22,8 @@ class Strict(BaseModel):
 
 
 def first_error(error: ValidationError, model: Any, prefix: tuple[str, ...] = ()) -> str:
-    """The first thing that is wrong with a `model`, or another type, in one line: its key after the prefix, and what was expected."""
+    """The first thing that is wrong with a `model`, or another type, in one line: its key after the prefix, and what
+    was expected."""
     first = error.errors(include_url=False)[0]
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "extra_forbidden":
