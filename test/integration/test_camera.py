@@ -1,10 +1,12 @@
 """Pictures as a subscriber with default settings receives them."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, Vector3
 from live import Graph, Spawn
 from numpy.typing import NDArray
@@ -13,7 +15,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 
+VIEWS = ("", "/depth", "/segmentation")  # of a camera, where its images and their camera_info are
 MEADOW = Path(__file__).with_name("meadow.yaml")
 
 
@@ -30,7 +34,7 @@ def picture(image: Image) -> NDArray[np.uint8]:
     )
 
 
-def stamps(messages: list[Image] | list[CameraInfo]) -> list[int]:
+def stamps(messages: list[Any]) -> list[int]:
     return [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in messages]
 
 
@@ -86,6 +90,41 @@ def test_depth_and_labels_come_with_the_names_of_what_they_show(graph: Graph) ->
     drone = next(number for number, name in known.items() if name == "user_drone")
     assert 1.0 < depth[label == drone].min() < 4.0
     assert np.isfinite(depth[label > 0]).all()
+
+
+def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
+    images = {view: graph.listen(Image, f"camera/chase{view}/image_raw", qos_profile_sensor_data) for view in VIEWS}
+    infos = {view: graph.listen(CameraInfo, f"camera/chase{view}/camera_info", qos_profile_sensor_data)
+             for view in VIEWS}
+    places = graph.listen(TFMessage, "tf")
+
+    def together() -> set[int]:
+        """Stamps that came with all of them."""
+        return set.intersection(*(set(stamps(each[view])) for each in (images, infos) for view in VIEWS))
+
+    graph.wait_for(lambda: len(together()) > 10, "all six of several moments")
+    for view in VIEWS:
+        for each in (images[view], infos[view]):
+            assert np.all(np.diff(stamps(each)) > 0), view
+        assert infos[view][-1].k[0] == infos[""][0].k[0] and infos[view][-1].header.frame_id == "chase_optical"
+    turns = [t for message in places for t in message.transforms if t.child_frame_id == "chase"]
+    assert len(turns) > 10 and np.all(np.diff(stamps(turns)) > 0)
+
+
+def test_whoever_wants_depth_alone_has_no_colours_drawn(graph: Graph) -> None:
+    """Not even where they take the camera_info that lies beside the colours."""
+    depths = graph.listen(Image, "camera/deep/depth/image_raw", qos_profile_sensor_data)
+    infos = [graph.listen(CameraInfo, f"camera/deep{view}/camera_info", qos_profile_sensor_data) for view in VIEWS[:2]]
+    reports = graph.listen(DiagnosticArray, "diagnostics")
+    graph.publisher(String, "camera/add").publish(String(data="deep: {pose: [-9, 0, 3], size: [64, 48]}"))
+    graph.wait_for(lambda: len(depths) > 10 and all(len(heard) > 10 for heard in infos), "depth images")
+    del reports[:]
+    graph.wait_for(lambda: sum("pictures" in report.status[0].name for report in reports) > 1, "reports")
+    drawn = {value.key for report in reports for value in report.status[0].values}
+    assert "frames drawn" in drawn and "ms per frame of deep" not in drawn
+    for heard in infos:
+        assert np.all(np.diff(stamps(heard)) > 0)
+        assert len(set(stamps(depths)) & set(stamps(heard))) > 5
 
 
 def test_a_camera_is_added_while_it_runs(graph: Graph) -> None:

@@ -1,5 +1,6 @@
 """The node that draws: follows the scene and the poses, publishes what its cameras see."""
 
+import logging
 import signal
 import sys
 import threading
@@ -20,7 +21,6 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 from drone_render import context
@@ -28,15 +28,15 @@ from drone_render.debug_view import DebugView
 from drone_render.film import FilmError, Reel
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
+from drone_render.saving import Request, SaveImage
 from drone_render.schedule import Due, Schedule
-from drone_render.shutter import Request, Shutter, rigid_transforms
+from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
 from drone_sim import scene as scenes
 from drone_sim.cdr import SECOND, Transforms, read_transforms
-from drone_sim.process import ENDS
+from drone_sim.process import ENDS, NodeLog
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-ANSWER_WITHIN = 5.0  # s, for whoever asks for a picture
 EARLY = 10_000  # states kept for a film while its scene is being loaded
 SWITCH_INTERVAL = 0.0005  # s; Python's 5 ms would let the thread that draws wait for ROS a third of a picture's time
 FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
@@ -55,13 +55,13 @@ class RenderNode(Node):
         ).get_parameter_value().integer_value  # fmt: skip
         self._reel = Reel(film, rate)
         self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
-        self._image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
+        image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
 
+        logging.getLogger("drone_sim").addHandler(NodeLog(self.get_logger()))  # what is wrong with models
         self._graphics = context.create()
         self.get_logger().info(f"drawing on {context.device_name(self._graphics)}")
         self._changed = threading.Condition()
         self._wanted_scene: SceneMessage | None = None
-        self._requests: list[Request] = []
         self._added: list[str] = []
         self._schedule: Schedule | None = None
         # States that come while the scene is being loaded; a film begins with the first of them.
@@ -78,7 +78,7 @@ class RenderNode(Node):
         self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
         self.create_subscription(String, "camera/select", self._on_select, LATCHED)
         self.create_subscription(String, "camera/add", self._on_add, 10)
-        self.create_service(Trigger, "~/save_image", self._on_save_image)
+        self._saving = SaveImage(self, image_dir, self._changed)
         self._debug = DebugView(self)
         self._names = self.create_publisher(String, "camera/labels", LATCHED)
         self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
@@ -127,24 +127,6 @@ class RenderNode(Node):
             self._added.append(message.data)
             self._changed.notify()
 
-    def _on_save_image(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        request = Request()
-        with self._changed:
-            self._requests.append(request)
-            self._changed.notify()
-        if not request.done.wait(ANSWER_WITHIN) or request.image is None:
-            response.message = "nothing to save: no scene with a camera has been drawn yet"
-            return response
-        path = self._image_dir / request.name
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            request.image.save(path)
-        except OSError as error:
-            response.message = f"{path}: {error.strerror}"
-            return response
-        response.success, response.message = True, str(path)
-        return response
-
     def _report(self) -> None:
         with self._changed:
             dropped = 0 if self._schedule is None else self._schedule.dropped
@@ -165,10 +147,10 @@ class RenderNode(Node):
             with self._changed:
                 now = time.monotonic()
                 wait = None if self._schedule is None else self._schedule.wait(now)
-                if self._wanted_scene is None and not self._requests and not self._added and wait != 0.0:
+                if self._wanted_scene is None and not self._saving.waiting and not self._added and wait != 0.0:
                     self._changed.wait(min(0.1 if wait is None else wait, 0.1))
                 wanted, self._wanted_scene = self._wanted_scene, None
-                requests, self._requests = self._requests, []
+                requests = self._saving.take()
                 added, self._added = self._added, []
                 due = None if self._schedule is None else self._schedule.pop(time.monotonic())
             if wanted is not None and wanted.hash != self._hash:
@@ -180,7 +162,7 @@ class RenderNode(Node):
                 self._answer(request)
             if due is not None:
                 self._draw(due)
-        for request in self._requests:
+        for request in self._saving.take():
             request.done.set()
 
     def close(self, hurry: threading.Event) -> None:
@@ -264,12 +246,13 @@ class RenderNode(Node):
         poses = due.moment.poses()
         for name, shutter in self._shutters.items():
             filmed = due.film and name == self._selected
-            if filmed or (due.live and shutter.watched()):
+            taken = filmed or (due.live and shutter.watched())
+            if taken:
                 self._take(name, shutter, poses, due.moment.stamp, due.live)
             if filmed:
                 self._expose(shutter.picture)
             if due.live and shutter.measured():
-                self._measure(name, shutter, poses, due.moment.stamp)
+                self._measure(name, shutter, poses, due.moment.stamp, placed=taken)
 
     def _take(self, name: str, shutter: Shutter, poses: Array, stamp: int, live: bool) -> None:
         """Draws one picture and, if it is live, publishes it."""
@@ -283,13 +266,13 @@ class RenderNode(Node):
             self._published.result()
             self._published = self._publishing.submit(shutter.publish, stamp, place, shutter.picture.message(stamp))
 
-    def _measure(self, name: str, shutter: Shutter, poses: Array, stamp: int) -> None:
-        """Draws how far away everything is, and what it is; publishes both."""
+    def _measure(self, name: str, shutter: Shutter, poses: Array, stamp: int, placed: bool) -> None:
+        """Draws how far away everything is, and what it is; publishes both. placed: the camera's place is published."""
         assert self._renderer is not None
         place = self._renderer.measure(name, poses, stamp / SECOND, shutter.depth, shutter.labels)
         messages = shutter.depth.message(stamp), shutter.labels.message(stamp)
         self._published.result()
-        self._published = self._publishing.submit(shutter.publish_ranges, stamp, place, *messages)
+        self._published = self._publishing.submit(shutter.publish_ranges, stamp, None if placed else place, *messages)
 
     def _expose(self, picture: Picture) -> None:
         """Adds a picture to the film."""

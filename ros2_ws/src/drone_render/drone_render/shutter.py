@@ -1,10 +1,8 @@
 """One camera in the graph: its topics, the bytes of its messages, and what its pictures took."""
 
-import threading
-from dataclasses import dataclass, field
+from functools import cached_property
 
 from diagnostic_msgs.msg import KeyValue
-from PIL import Image as PillowImage
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
@@ -16,52 +14,80 @@ from drone_render.view import Array
 from drone_sim.look import Camera
 
 
-@dataclass
-class Request:
-    """Somebody waits for a picture of the selected camera."""
+class Outlet:
+    """Images of one kind, and the camera_info beside them, where image_transport and depth_image_proc look for it."""
 
-    done: threading.Event = field(default_factory=threading.Event)
-    image: PillowImage.Image | None = None
-    name: str = ""
+    def __init__(self, node: Node, topic: str) -> None:
+        self.images = node.create_publisher(Image, f"{topic}/image_raw", qos_profile_sensor_data)
+        self.infos = node.create_publisher(CameraInfo, f"{topic}/camera_info", qos_profile_sensor_data)
+
+    def heard(self) -> bool:
+        """Whether anybody listens to either."""
+        return bool(self.images.get_subscription_count() or self.infos.get_subscription_count())
+
+    def close(self, node: Node) -> None:
+        """Ends both topics."""
+        node.destroy_publisher(self.images)
+        node.destroy_publisher(self.infos)
 
 
 class Shutter:
-    """Publishes what is drawn into `picture`, `depth` and `labels`: camera/<name>/image_raw, depth/image_raw,
-    segmentation/image_raw and camera_info, and tf of cameras that turn."""
+    """Publishes what is drawn into `picture`, `depth` and `labels`: image_raw and camera_info below camera/<name>,
+    camera/<name>/depth and camera/<name>/segmentation, and tf of cameras that turn."""
 
     def __init__(self, node: Node, name: str, camera: Camera) -> None:
-        frame = f"{name}_optical"
-        self.picture = Picture(camera.size, frame)
-        self.depth, self.labels = (Picture(camera.size, frame, encoding) for encoding in ("32FC1", "16UC1"))
         self.drawn, self.seconds = 0, 0.0
         self._node = node
         self._name = name
-        self._info = camera_info(camera, frame)
-        self._images = node.create_publisher(Image, f"camera/{name}/image_raw", qos_profile_sensor_data)
-        self._depths = node.create_publisher(Image, f"camera/{name}/depth/image_raw", qos_profile_sensor_data)
-        self._labels = node.create_publisher(Image, f"camera/{name}/segmentation/image_raw", qos_profile_sensor_data)
-        self._infos = node.create_publisher(CameraInfo, f"camera/{name}/camera_info", qos_profile_sensor_data)
+        self._size = camera.size
+        self._frame = f"{name}_optical"
+        self._info = camera_info(camera, self._frame)
+        self._colours, self._depths, self._labels = (
+            Outlet(node, f"camera/{name}{kind}") for kind in ("", "/depth", "/segmentation")
+        )
         self._place = transforms([("world", name, view.ORIGIN)])
         self._places = node.create_publisher(TFMessage, "tf", 100) if view.turns(camera) else None
 
+    # Made when they are drawn into first: most cameras are there to be looked at now and then.
+
+    @cached_property
+    def picture(self) -> Picture:
+        """rgb8."""
+        return Picture(self._size, self._frame)
+
+    @cached_property
+    def depth(self) -> Picture:
+        """32FC1, m."""
+        return Picture(self._size, self._frame, "32FC1")
+
+    @cached_property
+    def labels(self) -> Picture:
+        """16UC1, numbers of objects."""
+        return Picture(self._size, self._frame, "16UC1")
+
     def watched(self) -> bool:
-        """Whether anybody listens to its picture."""
-        return bool(self._images.get_subscription_count() or self._infos.get_subscription_count())
+        """Whether its picture has to be drawn: somebody listens to it, or to its camera_info and to nothing else."""
+        if self._colours.images.get_subscription_count():
+            return True
+        return bool(self._colours.infos.get_subscription_count()) and not self.measured()
 
     def measured(self) -> bool:
         """Whether anybody listens to its depths or labels."""
-        return bool(self._depths.get_subscription_count() or self._labels.get_subscription_count())
+        return self._depths.heard() or self._labels.heard()
 
     def publish(self, stamp: int, place: Array, image: bytes) -> None:
         """Publishes a picture's message with its stamp in ns, taken from the matrix `place` in the world."""
         self._publish_place(stamp, place)
-        self._images.publish(image)
+        self._colours.images.publish(image)
 
-    def publish_ranges(self, stamp: int, place: Array, depth: bytes, labels: bytes) -> None:
-        """The same for the messages of both."""
-        self._publish_place(stamp, place)
-        self._depths.publish(depth)
-        self._labels.publish(labels)
+    def publish_ranges(self, stamp: int, place: Array | None, depth: bytes, labels: bytes) -> None:
+        """The same for the messages of both; `place` is None where `publish` has had it at the same stamp."""
+        if place is not None:
+            self._publish_place(stamp, place)
+        for outlet, image in ((self._depths, depth), (self._labels, labels)):
+            if outlet.heard():
+                outlet.infos.publish(bytes(self._info))
+                outlet.images.publish(image)
 
     def _publish_place(self, stamp: int, place: Array) -> None:
         if self._places is not None:
@@ -69,7 +95,7 @@ class Shutter:
             self._place.write("pose", view.pose_of(place))
             self._places.publish(bytes(self._place))
         self._info.stamp(stamp)
-        self._infos.publish(bytes(self._info))
+        self._colours.infos.publish(bytes(self._info))
 
     def report(self) -> list[KeyValue]:
         """Mean ms per picture since the last report; nothing if none was drawn."""
@@ -79,9 +105,10 @@ class Shutter:
 
     def close(self) -> None:
         """Ends its topics."""
-        for publisher in (self._images, self._depths, self._labels, self._infos, self._places):
-            if publisher is not None:
-                self._node.destroy_publisher(publisher)
+        for outlet in (self._colours, self._depths, self._labels):
+            outlet.close(self._node)
+        if self._places is not None:
+            self._node.destroy_publisher(self._places)
 
 
 def rigid_transforms(cameras: dict[str, Camera]) -> bytes:

@@ -1,7 +1,6 @@
 """The sky: three domes that hang on an object or on the camera, drawn at once where nothing stands before them."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -12,7 +11,6 @@ from drone_render.edges import SKY_MARK
 from drone_render.frame import Frame
 from drone_render.shaders import Variant
 from drone_render.view import Array
-from drone_sim.assets import asset_path
 from drone_sim.look import Render, Sky
 
 OUTWARDS = 0.8  # of the domes' radius: who is further out sees them from there
@@ -28,7 +26,7 @@ class SkyColours:
     @classmethod
     def of(cls, device: Device, sky: Sky, light: float) -> "SkyColours":
         """What the sky has at that daylight. Raises ValueError."""
-        rows = daylight.colours(sky, light, None if sky.colours is None else texture_path(sky.colours))
+        rows = daylight.colours(sky, light, sky.colours)
         texels = np.rint(255 * np.clip(rows, 0, 1)).astype(np.uint8)
         return cls(device.plain_texture((len(texels), 1), texels), rows[0])
 
@@ -41,7 +39,7 @@ class SkyPass:
         self._colours = colours
         by_night = sky.stars is not None and daylight.stars(render.daylight) > 0
         self._maps = {
-            name: device.texture(texture_path(file))
+            name: device.texture(file)
             for name, file in (("clouds", sky.clouds), ("stars", sky.stars if by_night else None))
             if file is not None
         }
@@ -72,8 +70,3 @@ class SkyPass:
             if name in self._maps:
                 self._maps[name].use(unit)
         self._array.render(vertices=3)
-
-
-def texture_path(name: str) -> Path:
-    """File of a texture that a scene names, with or without its ending. Raises ValueError."""
-    return asset_path("textures", name if Path(name).suffix else f"{name}.png")

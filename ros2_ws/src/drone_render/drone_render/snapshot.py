@@ -5,11 +5,14 @@ import sys
 from pathlib import Path
 
 from PIL import Image
+from pydantic import ValidationError
 
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_sim import scene as scenes
+from drone_sim.look import Camera
+from drone_sim.strict import first_error
 
 
 def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:
@@ -22,6 +25,14 @@ def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:
             return Image.frombytes("RGB", scene.cameras[camera].size, picture.pixels())
     finally:
         graphics.release()
+
+
+def _resized(camera: Camera, size: tuple[int, ...]) -> Camera:
+    """The camera with another size in pixels. Raises ValueError for one that no scene may have."""
+    try:
+        return Camera.model_validate({**dict(camera), "size": size})
+    except ValidationError as error:
+        raise ValueError(f"--size {' '.join(map(str, size))}: {first_error(error, Camera)}") from None
 
 
 def main(args: list[str] | None = None) -> int:
@@ -39,7 +50,7 @@ def main(args: list[str] | None = None) -> int:
         if camera not in scene.cameras:
             raise ValueError(f"no camera '{camera}' in {scene.path}; there are {', '.join(scene.cameras) or 'none'}")
         if options.size:
-            resized = scene.cameras[camera].model_copy(update={"size": tuple(options.size)})
+            resized = _resized(scene.cameras[camera], tuple(options.size))
             scene = scene.model_copy(update={"cameras": {**scene.cameras, camera: resized}})
         image = draw(scene, camera, options.time)
         options.out.parent.mkdir(parents=True, exist_ok=True)

@@ -29,3 +29,28 @@ def asset_path(kind: str, name: str, error: type[ValueError] = ValueError, besid
             return folder / name
     known = sorted({path.stem for folder in folders for path in folder.glob(f"*{Path(name).suffix}")})
     raise error(f"no {kind[:-1]} '{Path(name).stem}'; there are {', '.join(known) or 'none'}")
+
+
+def image_flaw(path: Path) -> str:
+    """Why an image file cannot be read, in one line; nothing if it can."""
+    try:
+        return _flaw(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        return error.strerror or str(error)
+
+
+@cache
+def _flaw(path: Path, changed: int) -> str:
+    """The same of a file that changed at that time: many materials share their textures."""
+    from PIL import Image, UnidentifiedImageError  # takes a while, and most scenes are loaded without a picture
+
+    try:
+        with Image.open(path) as image:
+            image.load()
+    except UnidentifiedImageError:
+        return "no image"
+    except OSError as error:
+        return error.strerror or str(error)
+    except Exception as error:  # each format has its own
+        return (str(error).splitlines() or [type(error).__name__])[0]
+    return ""

@@ -1,5 +1,6 @@
 """What a scene says about its picture: lights, cameras, sky and water."""
 
+from pathlib import Path
 from typing import Annotated, Self
 
 from pydantic import Field, PositiveFloat, model_validator
@@ -52,15 +53,16 @@ class Sky(Strict):
     """Three domes, seen where nothing stands: colours from the horizon up, stars, and clouds that drift.
 
     They hang on an object, such as the drone that cameras follow, and go where it goes, but stay level.
+    Textures are what the file calls them; once the scene is loaded they are their files.
     """
 
     parent: Name | None = None  # without it they hang on each camera
     radius: PositiveFloat = 600.0  # m
     horizon: Colour = (0.76, 0.86, 0.94)
     zenith: Colour = (0.22, 0.45, 0.78)
-    colours: str | None = None  # a texture instead of the two: night to day from left to right, the zenith on top
-    stars: str | None = None  # a texture; they come out as daylight goes
-    clouds: str | None = None  # a texture; its alpha is the cover
+    colours: Path | None = None  # a texture instead of the two: night to day from left to right, the zenith on top
+    stars: Path | None = None  # a texture; they come out as daylight goes
+    clouds: Path | None = None  # a texture; its alpha is the cover
     drift: tuple[float, float] = (0.004, 0.001)  # of the clouds' texture per s
 
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from drone_sim.assets import image_flaw
+
 if TYPE_CHECKING:
     import trimesh
 
@@ -97,8 +99,8 @@ def read_faces(path: Path) -> npt.NDArray[np.int64]:
 def load(path: Path) -> Model:
     """Reads a model with its materials.
 
-    Raises MeshError for what has no faces or no finite shape. A missing MTL or texture is a warning, and the
-    model comes without it.
+    Raises MeshError for what has no faces or no finite shape. An MTL or a texture that is missing or not readable is
+    a warning, and the model comes without it: it is worth seeing, and its shape is what counts for the physics.
     """
     text = _text(path)
     materials = _materials(path, text)
@@ -200,6 +202,10 @@ def _materials(path: Path, text: str) -> dict[str, Material]:
     return found
 
 
+class _TextureError(Exception):
+    """What is wrong with a texture that an MTL names."""
+
+
 def _library(path: Path) -> dict[str, Material]:
     found: dict[str, Material] = {}
     name = ""
@@ -213,8 +219,8 @@ def _library(path: Path) -> dict[str, Material]:
                 found[name] = _with(found[name], key, values, path.parent)
         except (ValueError, IndexError):
             log.warning("%s: line %d: '%s' is not as MTL has it; left out", path, number, line.strip())
-        except FileNotFoundError as error:
-            log.warning("%s: line %d: no texture '%s'; drawn without", path, number, error)
+        except _TextureError as error:
+            log.warning("%s: line %d: %s; drawn without", path, number, error)
     return found
 
 
@@ -230,6 +236,8 @@ def _with(material: Material, key: str, values: list[str], folder: Path) -> Mate
     if key in maps:
         texture = (folder / values[-1]).resolve()
         if not texture.is_file():
-            raise FileNotFoundError(values[-1])
+            raise _TextureError(f"no texture '{values[-1]}'")
+        if flaw := image_flaw(texture):
+            raise _TextureError(f"texture '{values[-1]}' is not readable: {flaw}")
         return replace(material, **{maps[key]: texture})  # type: ignore[arg-type]
     return material

@@ -4,6 +4,7 @@ rclpy's own signal handlers end the context under whatever callback is running, 
 what it publishes or writes. Here a signal only sets a future, and the callback that is running is the last.
 """
 
+import logging
 import os
 import signal
 import sys
@@ -12,12 +13,24 @@ from collections.abc import Callable
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 ENDS = (signal.SIGINT, signal.SIGTERM)
 PARAMETER_ERRORS = (InvalidParameterTypeException, InvalidParameterValueException)
+
+
+class NodeLog(logging.Handler):
+    """What modules that know no ROS warn of, as lines of a node's log; else nobody would see them."""
+
+    def __init__(self, log: RcutilsLogger) -> None:
+        super().__init__(logging.WARNING)
+        self._log = log
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._log.warning(record.getMessage())
 
 
 def run(name: str, make_node: Callable[[Future], Node], args: list[str] | None, *errors: type[Exception]) -> int:

@@ -8,7 +8,6 @@ Effects stay as the scene words them: each effect validates its own parameters (
 import hashlib
 import json
 import re
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -16,12 +15,13 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError, model_validator
 
 from drone_sim.airframe import Airframe
-from drone_sim.assets import asset_path
+from drone_sim.assets import asset_path, image_flaw
 from drone_sim.look import Camera, Light, Render
 from drone_sim.scene_text import as_json
-from drone_sim.strict import ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector, first_error
+from drone_sim.strict import ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector, first_error, quoted
 
 FILE_SIZE_LIMIT = 1 << 20  # bytes; a scene is text that a person wrote
+CAMERA_LIMIT = 64  # each has six topics, which every node of the graph learns of
 
 class SceneError(ValueError):
     """What is wrong with a scene, in one line: the file, the key, what was expected."""
@@ -171,6 +171,12 @@ class Scene(Strict):
         return self
 
     @model_validator(mode="after")
+    def _few_cameras(self) -> Self:
+        if len(self.cameras) > CAMERA_LIMIT:
+            raise ValueError(f"cameras: {len(self.cameras)} are more than the {CAMERA_LIMIT} that a scene may have")
+        return self
+
+    @model_validator(mode="after")
     def _floors(self) -> Self:
         for name, thing in self.objects.items():
             if thing.mass is not None and self.level(name) == "floor":
@@ -220,14 +226,21 @@ class Scene(Strict):
         """The same with more cameras, in YAML as under 'cameras'; equal names replace. Raises SceneError."""
         if len(text) > FILE_SIZE_LIMIT:
             raise SceneError(f"cameras: more than {FILE_SIZE_LIMIT} characters, which no camera needs")
+        kind = dict[Name, Camera]
         try:
-            words = json.loads(as_json(f"cameras:\n{textwrap.indent(text, '  ')}".encode())).get("cameras")
-            added = TypeAdapter(dict[Name, Camera]).validate_json(json.dumps(words), strict=True)
-            return Scene.model_validate({**dict(self), "cameras": {**self.cameras, **added}})
+            words = json.loads(as_json(text.encode(), "cameras"))["cameras"]
+            if not words or not isinstance(words, dict):
+                raise SceneError("cameras: needs one or more by their names, such as 'side: {pose: [0, 0, 2]}', got "
+                                 + quoted(words or None))
+            added = TypeAdapter(kind).validate_json(json.dumps(words), strict=True)
         except ValidationError as error:
-            raise SceneError(first_error(error, Scene, ("cameras",) if error.title != "Scene" else ())) from None
+            raise SceneError(first_error(error, kind, ("cameras",))) from None
         except ValueError as error:
             raise SceneError(str(error)) from None
+        try:
+            return Scene.model_validate({**dict(self), "cameras": {**self.cameras, **added}})
+        except ValidationError as error:
+            raise SceneError(first_error(error, Scene)) from None
 
     def _things(self) -> Iterator[tuple[str, Object | Light | Camera]]:
         for kind in ("objects", "lights", "cameras"):
@@ -240,6 +253,28 @@ class Scene(Strict):
         Raises SceneError if there is none.
         """
         return asset_path("models", f"{self.objects[name].model}.obj", SceneError, beside=self.path.parent.parent)
+
+    def texture_path(self, name: Path) -> Path:
+        """File of a texture, named with or without its ending: in the folder textures beside the scene's, or among the
+        assets. Raises SceneError if there is none."""
+        file = str(name) if name.suffix else f"{name}.png"
+        return asset_path("textures", file, SceneError, beside=self.path.parent.parent)
+
+    def with_textures(self) -> "Scene":
+        """The same with the files of the sky's textures instead of their names. Raises SceneError."""
+        if self.render.sky is None:
+            return self
+        files = {}
+        for key in ("colours", "stars", "clouds"):
+            if (name := getattr(self.render.sky, key)) is not None:
+                try:
+                    files[key] = self.texture_path(name)
+                except SceneError as error:
+                    raise SceneError(f"render.sky.{key}: {error}") from None
+                if flaw := image_flaw(files[key]):
+                    raise SceneError(f"render.sky.{key}: {files[key]} is not readable: {flaw}")
+        sky = self.render.sky.model_copy(update=files)
+        return self.model_copy(update={"render": self.render.model_copy(update={"sky": sky})})
 
 
 def load(scene: str | Path) -> Scene:
@@ -275,4 +310,8 @@ def parse(text: bytes | str, path: Path) -> Scene:
             digest.update(scene.model_path(name).read_bytes())
         except (OSError, ValueError) as error:
             raise SceneError(f"{path}: objects.{name}.model: {error}") from None
+    try:
+        scene = scene.with_textures()
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from None
     return scene.model_copy(update={"hash": digest.hexdigest()})

@@ -8,17 +8,19 @@ import yaml
 DEPTH_LIMIT = 32  # levels; far below what overflows the stack of PyYAML, which recurses in C
 
 
-def as_json(text: bytes) -> str:
-    """The same in JSON, with one object for each of several 'poses'.
+def as_json(text: bytes, under: str | None = None) -> str:
+    """The same in JSON, with one object for each of several 'poses'; with `under`, as what a scene says under that key.
 
     Raises ValueError in one line: where, and what is wrong with it.
     """
     try:
         _check_events(text)
-        return json.dumps(_spell_out(yaml.load(text, Loader=_StrictLoader)), default=str)
+        data = yaml.load(text, Loader=_StrictLoader)
+        return json.dumps(_spell_out(data if under is None else {under: data}), default=str)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}: " if mark else ""
+        lines = len(text.splitlines()) or 1  # what is left open is missed behind the last one
+        where = f"line {min(mark.line + 1, lines)}: " if mark else ""
         raise ValueError(f"{where}{getattr(error, 'problem', None) or str(error).splitlines()[0]}") from None
     except TypeError as error:  # a key that is none in JSON, such as a date
         raise ValueError(str(error)) from None

@@ -21,8 +21,9 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def first_error(error: ValidationError, model: type[BaseModel], prefix: tuple[str, ...] = ()) -> str:
-    """The first thing that is wrong with a `model`, in one line: its key after the prefix, and what was expected."""
+def first_error(error: ValidationError, model: Any, prefix: tuple[str, ...] = ()) -> str:
+    """The first thing that is wrong with a `model`, or another type, in one line: its key after the prefix, and what
+    was expected."""
     first = error.errors(include_url=False)[0]
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "extra_forbidden":
@@ -30,9 +31,14 @@ def first_error(error: ValidationError, model: type[BaseModel], prefix: tuple[st
         if part := _part(model, first["loc"][:-1]):
             message += "; allowed are " + (", ".join(sorted(part.model_fields)) or "none")
     elif first["type"] not in ("value_error", "missing"):
-        message += f", got {str(first['input'])[:60]!r}"
+        message += f", got {quoted(first['input'])}"
     key = ".".join(str(part) for part in (*prefix, *first["loc"]))
     return f"{key}: {message}" if key else message
+
+
+def quoted(value: Any) -> str:
+    """What stands in a file, as an error shows it: as YAML has it, an empty place is None."""
+    return "nothing" if value is None else repr(str(value)[:60])
 
 
 def _part(kind: Any, loc: tuple[int | str, ...]) -> type[BaseModel] | None:

@@ -108,4 +108,22 @@ def test_a_missing_library_or_texture_is_a_warning(tmp_path: Path, caplog: pytes
     path = write(tmp_path, mtl=MTL.replace("wood.png", "gone.png"))
     with caplog.at_level(logging.WARNING):
         assert all(part.material.colour_map is None for part in mesh.load(path).parts)
-    assert "gone.png" in caplog.text
+    assert "box.mtl: line 5: no texture 'gone.png'; drawn without" in caplog.text
+
+
+@pytest.mark.parametrize("damage", ["words", "cut off", "folder"])
+def test_an_unreadable_texture_is_a_warning_too(tmp_path: Path, caplog: pytest.LogCaptureFixture, damage: str) -> None:
+    path = write(tmp_path)
+    texture = tmp_path / "wood.png"
+    Image.new("RGB", (64, 64)).save(texture)
+    assert all(part.material.colour_map for part in mesh.load(path).parts if part.material.name == "wood")
+    data = texture.read_bytes()
+    texture.unlink()
+    if damage == "folder":
+        texture.mkdir()
+    else:
+        texture.write_bytes(b"no picture" if damage == "words" else data[:-40])
+    with caplog.at_level(logging.WARNING):
+        (wood,) = (part.material for part in mesh.load(path).parts if part.material.name == "wood")
+    assert wood.colour_map is None and wood.normal_map == tmp_path / "bumps.png"
+    assert "box.mtl: line 5: " in caplog.text and "'wood.png'" in caplog.text and caplog.text.count("\n") == 1

@@ -1,0 +1,34 @@
+"""What a camera takes before anybody looks through it."""
+
+import tracemalloc
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+
+from drone_render.shutter import Shutter
+from drone_sim.look import Camera
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    context = Context()
+    rclpy.init(context=context)
+    made = rclpy.create_node("cameras", context=context)
+    yield made
+    made.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_a_camera_that_nobody_looks_through_has_no_pictures(node: Node) -> None:
+    camera = Camera(size=(4096, 4096))
+    tracemalloc.start()
+    shutter = Shutter(node, "wide", camera)
+    assert tracemalloc.get_traced_memory()[0] < 1_000_000
+    for picture, pixel in ((shutter.picture, 3), (shutter.depth, 4), (shutter.labels, 2)):
+        assert len(picture.pixels()) == 4096 * 4096 * pixel
+    tracemalloc.stop()
+    assert shutter.depth is shutter.depth
+    shutter.close()
