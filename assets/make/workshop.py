@@ -105,56 +105,64 @@ def plaster(rng: np.random.Generator) -> Texture:
 def metal(rng: np.random.Generator) -> Texture:
     """Brushed along u; grey, materials tint it."""
     size = 128
-    grooves = fractal(rng, size, 2, 64, 2)
-    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), grooves), 0.9 * grooves
+    grooves = fractal(rng, size, 2, 32, 2)
+    return mix((0.84, 0.84, 0.84), (1.0, 1.0, 1.0), grooves), 0.35 * grooves
 
 
 def enamel(rng: np.random.Generator) -> Texture:
-    """Paint or plastic, as good as smooth; white, materials tint it."""
+    """Paint or plastic, as good as smooth; white, materials tint it. Its waves are seen in highlights alone."""
     size = 128
-    orange_peel = fractal(rng, size, 12, octaves=3)
-    return mix((0.95, 0.95, 0.95), (1.0, 1.0, 1.0), fractal(rng, size, 6, octaves=4)), 1.3 * orange_peel
+    waves = fractal(rng, size, 5, octaves=2)
+    return mix((0.97, 0.97, 0.97), (1.0, 1.0, 1.0), fractal(rng, size, 6, octaves=4)), 0.7 * waves
 
 
 def panels(rng: np.random.Generator) -> Texture:
-    """A moulded shell: plates with seams and rivets; nearly white, materials tint it."""
+    """A moulded shell: plates with fine seams and rivets, grained; nearly white, materials tint it."""
     size = 256
     down, across = pixels(size)
     row = np.minimum((down * 3).astype(int), 2)
     column = np.minimum(((across + 0.5 / 3 * (row % 2)) % 1 * 3).astype(int), 2)
     x, y = (across + 0.5 / 3 * (row % 2)) * 3 % 1, down * 3 % 1
     edge = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y))
-    plate = smoothstep(0.0, 0.05, edge)
+    plate = smoothstep(0.0, 0.035, edge)
     rivet = np.zeros((size, size))
     for spot_x in (0.12, 0.5, 0.88):
         for spot_y in (0.12, 0.88):
             rivet = np.maximum(rivet, smoothstep(0.035, 0.015, np.hypot(x - spot_x, y - spot_y)))
-    shade = rng.uniform(0.93, 1.0, (3, 3))[row, column]
-    colour = (0.62 + 0.38 * plate) * shade * (1 - 0.18 * rivet) * (0.97 + 0.03 * fractal(rng, size, 8, octaves=4))
-    return np.repeat(np.clip(colour, 0, 1)[..., None], 3, axis=2), 5.0 * plate + 2.5 * rivet
+    shade = rng.uniform(0.90, 1.0, (3, 3))[row, column]
+    grain = fractal(rng, size, 32, octaves=2)
+    colour = (0.70 + 0.30 * plate) * shade * (1 - 0.15 * rivet) * (0.94 + 0.06 * grain)
+    return np.repeat(np.clip(colour, 0, 1)[..., None], 3, axis=2), 2.2 * plate + 1.6 * rivet + 0.7 * grain
 
 
 def weave(rng: np.random.Generator) -> Texture:
-    """Twill of carbon fibre; nearly white, materials tint it."""
+    """Twill of carbon fibre; nearly white, materials tint it. Its relief is low: the threads are fine."""
     size, threads = 128, 8
     down, across = pixels(size)
     x, y = across * threads, down * threads
     warp = (x.astype(int) + y.astype(int)) % 4 < 2
     arch = np.where(warp, np.sin(np.pi * (x % 1)), np.sin(np.pi * (y % 1)))
-    share = np.clip(np.where(warp, 0.85, 0.45) * (0.5 + 0.5 * arch) + 0.1 * fractal(rng, size, 16, octaves=2), 0, 1)
-    return mix((0.55, 0.55, 0.55), (1.0, 1.0, 1.0), share), 2.2 * arch
+    share = np.clip(np.where(warp, 0.75, 0.50) * (0.6 + 0.4 * arch) + 0.1 * fractal(rng, size, 16, octaves=2), 0, 1)
+    return mix((0.70, 0.70, 0.70), (1.0, 1.0, 1.0), share), 0.55 * arch
 
 
 def fabric(rng: np.random.Generator) -> Texture:
-    """Plain weave; nearly white, materials tint it."""
-    size, threads = 128, 16
+    """Twill with a trace of wrinkles; nearly white, materials tint it."""
+    size, threads = 256, 32
     down, across = pixels(size)
     x, y = across * threads, down * threads
-    over = (x.astype(int) + y.astype(int)) % 2 == 0
-    warp, weft = np.sin(np.pi * (x % 1)), np.sin(np.pi * (y % 1))
-    height = np.where(over, warp, weft)
-    share = np.clip(0.25 + 0.6 * height + 0.3 * (fractal(rng, size, 16, octaves=3) - 0.5), 0, 1)
-    return mix((0.62, 0.62, 0.62), (1.0, 1.0, 1.0), share), 1.8 * height
+    rib = np.sin(np.pi * ((x + y) % 1))
+    thread = 0.5 + 0.5 * np.sin(2 * np.pi * (x - y))
+    wrinkles = fractal(rng, size, 3, 5, 3)
+    share = np.clip(0.35 + 0.30 * rib + 0.12 * thread + 0.4 * (wrinkles - 0.5), 0, 1)
+    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), share), 0.30 * rib + 6.0 * wrinkles
+
+
+def hair(rng: np.random.Generator) -> Texture:
+    """Strands that run along v; nearly white, materials tint it."""
+    size = 128
+    strands = fractal(rng, size, 32, 2, 2)
+    return mix((0.55, 0.55, 0.55), (1.0, 1.0, 1.0), strands), 1.6 * strands
 
 
 def test_card(rng: np.random.Generator) -> Texture:
@@ -188,4 +196,4 @@ def test_card(rng: np.random.Generator) -> Texture:
     colour[(np.abs(x) < 0.004) & inside & (y < 0.06)] = 0.05
     lines = 0.90 + 0.10 * np.cos(2 * np.pi * 64 * down)
     vignette = 1 - 0.9 * np.clip(np.maximum(np.abs(across - 0.5), np.abs(down - 0.5)) - 0.36, 0, 1) ** 1.2
-    return colour * (lines * vignette)[..., None], None
+    return colour * (lines * vignette)[..., None], 0.25 * np.cos(2 * np.pi * 64 * down) + 0.6 * fractal(rng, size, 4)
