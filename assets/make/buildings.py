@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from make.glazing import glazed
 from make.shapes import Model, Part, ball, box, circle, lathe, moved, prism, surface, tube
 
 
@@ -34,7 +35,7 @@ def window(width: float, height: float, glass: str = "glass", shutters: str | No
         for x, margin in ((0.0, 0.08), (0.08, 0.08), (0.08, 0.0), (0.01, 0.0))
     ]
     model: Model = [
-        _sheet(0.02, width, height, 0, glass),
+        glazed(_sheet(0.02, width, height, 0, glass), "lit" if glass == "glass_lit" else "window"),
         _sheet(0.03, 0.05, height, 0, "trim"),
         _sheet(0.03, width, 0.05, 0.1, "trim"),
         surface(frame, "trim", closed=True, crease=0.3).boxed(),
@@ -148,7 +149,7 @@ def lighthouse() -> Model:
         )
     model += [
         lathe([(1.05, 9.55), (1.55, 9.85), (1.55, 10.0), (0.0, 10.0)], "stone", 16, crease=0.3),
-        lathe([(0.75, 10.0), (0.75, 11.4)], "glass_lit", 12, crease=0.2),
+        glazed(lathe([(0.75, 10.0), (0.75, 11.4)], "lamp", 16), "lens"),
         lathe(
             [(1.0, 11.35), (1.0, 11.5), (0.25, 12.3), (0.10, 12.35), (0.10, 12.6), (0.0, 12.75)],
             "paint_red",

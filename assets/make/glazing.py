@@ -58,9 +58,9 @@ def _window(rng: np.random.Generator, size: int) -> Texture:
     cover, folds = _curtains(size)
     room = np.broadcast_to(np.array(DARK), (size, size, 3)).copy()
     leaf = np.hypot((across - 0.62) * 1.5, down - 0.82) + 0.10 * fractal(rng, size, 12, octaves=2) < 0.17
-    room[leaf] = (0.07, 0.20, 0.08)
+    room[leaf] = (0.08, 0.26, 0.08)
     room[(np.abs(across - 0.62) < 0.055) & (down > 0.88)] = (0.34, 0.16, 0.10)
-    room += (np.array([0.44, 0.42, 0.38]) * folds[..., None] - room) * cover[..., None]
+    room += (np.array([0.50, 0.30, 0.32]) * folds[..., None] - room) * cover[..., None]
     colour = room + (np.array(SKY) - room) * (0.75 * share)[..., None]
     return colour * _shade(size)[..., None], waves
 
@@ -76,7 +76,7 @@ def _lit(rng: np.random.Generator, size: int) -> Texture:
     room[lamp] = (1.0, 0.90, 0.62)
     room[(np.abs(across - 0.40) < 0.012) & (down >= 0.62) & (down < 0.82)] = (0.16, 0.10, 0.06)
     room[(down > 0.82) & (np.abs(across - 0.42) < 0.30)] = (0.13, 0.075, 0.04)
-    curtain = np.array([0.58, 0.22, 0.15]) * (folds * (0.45 + 0.55 * glow))[..., None]
+    curtain = np.array([0.66, 0.16, 0.16]) * (folds * (0.45 + 0.55 * glow))[..., None]
     room += (curtain - room) * cover[..., None]
     colour = room + (np.array(SKY) - room) * (0.40 * share)[..., None]
     return colour * _shade(size)[..., None], waves

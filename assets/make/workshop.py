@@ -10,7 +10,7 @@ def wood(rng: np.random.Generator) -> Texture:
     """Grain that runs along u: year rings, bent around a few knots, and fine pores."""
     size = 256
     down, across = pixels(size)
-    bend = 0.10 * fractal(rng, size, 2, 3, 3)
+    bend = 0.045 * fractal(rng, size, 2, 3, 3)
     for row, column, radius in ((0.30, 0.35, 0.07), (0.75, 0.80, 0.05)):
         away_down, away_across = (down - row + 0.5) % 1 - 0.5, (across - column + 0.5) % 1 - 0.5
         bend += (
@@ -24,7 +24,7 @@ def wood(rng: np.random.Generator) -> Texture:
     pores = fractal(rng, size, 8, 128, 2)
     streak = fractal(rng, size, 2, 32, 3)
     share = np.clip(0.90 - 0.50 * ring - 0.22 * pores * ring + 0.35 * (streak - 0.5), 0, 1)
-    return mix((0.40, 0.23, 0.11), (0.88, 0.64, 0.38), share), 1.0 * share + 0.3 * pores
+    return mix((0.40, 0.23, 0.11), (0.88, 0.64, 0.38), share), 0.8 * share + 0.3 * pores
 
 
 def planks(rng: np.random.Generator) -> Texture:
