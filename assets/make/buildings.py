@@ -56,10 +56,10 @@ def _sheet(x: float, width: float, height: float, z: float, material: str) -> Pa
 def door(width: float, height: float, material: str = "door") -> Model:
     """A door with frame, handle and a step, its threshold at the origin, looking along +x."""
     return [
-        box((0.06, width, height), (0.01, 0, height / 2), material),
-        box((0.12, width + 0.28, 0.14), (0.03, 0, height + 0.07), "trim"),
-        *(box((0.12, 0.14, height), (0.03, side * (width / 2 + 0.07), height / 2), "trim") for side in (1, -1)),
-        ball((0.04, 0.04, 0.04), (0.08, width * 0.36, height * 0.48), "brass", 6, 4),
+        box((0.19, width, height), (0, 0, height / 2), material),
+        box((0.20, width + 0.28, 0.14), (0.03, 0, height + 0.07), "trim"),
+        *(box((0.20, 0.14, height), (0.03, side * (width / 2 + 0.07), height / 2), "trim") for side in (1, -1)),
+        ball((0.04, 0.04, 0.04), (0.12, width * 0.36, height * 0.48), "brass", 6, 4),
         box((0.55, width + 0.5, 0.14), (0.25, 0, 0.07), "stone"),
     ]
 

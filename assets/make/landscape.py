@@ -3,7 +3,7 @@
 import numpy as np
 
 from make.canvas import Texture, mix, pixels
-from make.noise import cells, fractal, smoothstep, value_noise
+from make.noise import cells, fractal, smoothstep
 from make.shapes import Array
 
 GRASS = ((0.24, 0.38, 0.12), (0.62, 0.68, 0.30))
@@ -59,18 +59,6 @@ def path(rng: np.random.Generator) -> Texture:
     return gravel + (mix(GRASS[0], GRASS[1], meadow) - gravel) * cover[..., None], stones
 
 
-def rock(rng: np.random.Generator) -> Texture:
-    """Layered stone with cracks and lichen."""
-    size = 256
-    base = fractal(rng, size, 4, 8, 6, 0.6)
-    near, second, _ = cells(rng, size, 5, 1.0)
-    crack = smoothstep(0.0, 0.10, second - near + 0.12 * (fractal(rng, size, 16, octaves=3) - 0.5))
-    lichen = smoothstep(0.62, 0.80, fractal(rng, size, 6, octaves=5, gain=0.6))
-    colour = mix((0.38, 0.37, 0.36), (0.74, 0.71, 0.66), base) * (0.72 + 0.28 * crack)[..., None]
-    colour += (np.array([0.56, 0.57, 0.38]) - colour) * 0.45 * lichen[..., None]
-    return colour, 7 * base + 3 * crack
-
-
 def bark(rng: np.random.Generator) -> Texture:
     """Ridges that run along v, broken across."""
     size = 256
@@ -78,32 +66,6 @@ def bark(rng: np.random.Generator) -> Texture:
     scale = fractal(rng, size, 4, 24, 3)
     share = np.clip(0.75 * ridge + 0.35 * scale - 0.05, 0, 1)
     return mix((0.24, 0.17, 0.12), (0.62, 0.49, 0.37), share), 8 * share
-
-
-def leaves(rng: np.random.Generator) -> Texture:
-    """Foliage as a heap of small leaves, dark between them."""
-    size = 256
-    total, top = np.zeros((size, size)), np.zeros((size, size))
-    for across in (9, 13, 18):
-        near, second, cell = cells(rng, size, across, 1.0)
-        shade = rng.uniform(0.2, 1, across * across)[cell]
-        leaf = smoothstep(0.0, 0.5, second - near) * shade
-        total = np.where(leaf > top, shade * (0.55 + 0.45 * smoothstep(0, 0.4, second - near)), total)
-        top = np.maximum(top, leaf)
-    return mix((0.07, 0.17, 0.06), (0.56, 0.70, 0.30), np.clip(total, 0, 1)), 4 * total
-
-
-def frond(rng: np.random.Generator) -> Texture:
-    """One palm leaf from its stalk (left) to its tip: leaflets slanting from the rib."""
-    size = 256
-    down, across = pixels(size)
-    side = np.abs(down - 0.5) * 2
-    slant = (across - 0.22 * side) * 34
-    groove = np.abs(slant % 1 - 0.5) * 2
-    rib = smoothstep(0.10, 0.03, side)
-    share = np.clip(0.25 + 0.45 * groove + 0.30 * value_noise(rng, size, 34, 2) - 0.12 * side, 0, 1)
-    colour = mix((0.10, 0.27, 0.07), (0.55, 0.70, 0.26), share)
-    return colour + (np.array([0.72, 0.74, 0.42]) - colour) * rib[..., None], 2 * groove + 3 * rib
 
 
 def clouds(rng: np.random.Generator) -> Texture:
