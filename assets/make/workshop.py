@@ -102,6 +102,18 @@ def plaster(rng: np.random.Generator) -> Texture:
     return mix((0.80, 0.79, 0.77), (1.0, 1.0, 0.99), np.clip(0.55 * coarse + 0.5 * fine, 0, 1)), 2 * coarse + 2 * fine
 
 
+def concrete(rng: np.random.Generator) -> Texture:
+    """A slab of a floor, its joints at the edges: stains, fine sand, a few pores; nearly white, materials tint it."""
+    size = 512
+    down, across = pixels(size)
+    edge = np.minimum(np.minimum(down, 1 - down), np.minimum(across, 1 - across))
+    joint = smoothstep(0.0012, 0.0035, edge)
+    stains, grain = fractal(rng, size, 3, octaves=6, gain=0.6), fractal(rng, size, 96, octaves=2)
+    pores = smoothstep(0.86, 0.93, fractal(rng, size, 128, octaves=1))
+    share = np.clip(0.25 + 0.40 * stains + 0.35 * grain - 0.25 * pores, 0, 1) * (0.3 + 0.7 * joint)
+    return mix((0.62, 0.62, 0.61), (1.0, 1.0, 0.99), share), 2.0 * joint + 0.9 * grain - 0.6 * pores
+
+
 def metal(rng: np.random.Generator) -> Texture:
     """Brushed along u; grey, materials tint it."""
     size = 128
