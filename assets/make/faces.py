@@ -59,7 +59,8 @@ def _eyes(colour: Array, y: Array, z: Array) -> Array:
     _put(colour, IRIS, inside * smoothstep(0.0092, 0.0082, away))
     _put(colour, (0.10, 0.17, 0.20), inside * smoothstep(0.0070, 0.0084, away) * smoothstep(0.0094, 0.0086, away))
     _put(colour, (0.03, 0.03, 0.03), inside * smoothstep(0.0050, 0.0042, away))
-    _put(colour, (1.0, 1.0, 1.0), inside * smoothstep(0.0024, 0.0016, np.hypot(y - EYE[0] * np.sign(y) + 0.003, up - 0.0055)))
+    glint = np.hypot(y - EYE[0] * np.sign(y) + 0.003, up - 0.0055)
+    _put(colour, (1.0, 1.0, 1.0), inside * smoothstep(0.0024, 0.0016, glint))
     lid = np.abs(across) < 0.0185
     _put(colour, (0.14, 0.08, 0.06), lid * smoothstep(0.0026, 0.0012, np.abs(up - upper)))
     _put(colour, (0.40, 0.25, 0.20), 0.6 * lid * smoothstep(0.0014, 0.0006, np.abs(up - lower)))

@@ -87,7 +87,8 @@ def table() -> Model:
     under = height - 0.05
     for side in (1, -1):
         model += [
-            box((0.09, 0.09, under), (along * x, side * y, under / 2), "wood_light", taper=1.2).grained() for along in (1, -1)
+            box((0.09, 0.09, under), (along * x, side * y, under / 2), "wood_light", taper=1.2).grained()
+            for along in (1, -1)
         ]
         model += [
             box((2 * x, 0.03, 0.12), (0, side * y, under - 0.06), "wood_light").grained(),

@@ -8,6 +8,7 @@ from make.canvas import Texture, mix, pixels
 from make.noise import fractal, smoothstep
 from make.shapes import Array, Part
 
+Cell = tuple[Array, Array]  # colours and heights, as in a texture
 CELLS = {"window": (0.0, 0.5), "lit": (0.5, 0.5), "plain": (0.0, 0.0), "lens": (0.5, 0.0)}  # uv of the lower left
 MARGIN = 0.012  # of a cell, so that its neighbours do not shine in when it is drawn small
 
@@ -24,10 +25,9 @@ def glazed(part: Part, cell: str) -> Part:
 def glass(rng: np.random.Generator) -> Texture:
     """Above a window by day and one with the lamp lit, below plain glass and a lens of ringed prisms."""
     size = 256
-    cells = [_window(rng, size), _lit(rng, size), _plain(rng, size), _lens(rng, size)]
-    colour, relief = ([pair[k] for pair in cells] for k in (0, 1))
-    return (np.vstack([np.hstack(colour[:2]), np.hstack(colour[2:])]),
-            np.vstack([np.hstack(relief[:2]), np.hstack(relief[2:])]))  # fmt: skip
+    upper, lower = (_window(rng, size), _lit(rng, size)), (_plain(rng, size), _lens(rng, size))
+    colour, relief = (np.vstack([np.hstack([left[k], right[k]]) for left, right in (upper, lower)]) for k in (0, 1))
+    return colour, relief
 
 
 def _reflection(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
@@ -35,9 +35,8 @@ def _reflection(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
     down, across = pixels(size)
     clouds = fractal(rng, size, 2, 3, 4)
     slant = (across + 0.7 * down) % 1
-    streak = smoothstep(0.16, 0.20, slant) * smoothstep(0.44, 0.40, slant) + 0.6 * smoothstep(0.50, 0.52, slant) * (
-        smoothstep(0.60, 0.58, slant)
-    )
+    broad, narrow = (smoothstep(0.12, 0.10, np.abs(slant - 0.30)), smoothstep(0.05, 0.03, np.abs(slant - 0.55)))
+    streak = broad + 0.6 * narrow
     share = np.clip(0.62 - 0.60 * down + 0.30 * (clouds - 0.5) + 0.16 * streak, 0, 1)
     return share, 4.0 * fractal(rng, size, 3, 4, 2)
 
@@ -47,11 +46,12 @@ def _curtains(size: int) -> tuple[Array, Array]:
     down, across = pixels(size)
     side = np.abs(across - 0.5) * 2
     hem = 0.70 - 0.22 * np.sin(np.pi * np.clip(down, 0, 0.75) / 0.75) ** 2 + 0.08 * down
-    cover = np.maximum(smoothstep(hem, hem + 0.03, side), smoothstep(0.13, 0.11, down + 0.012 * np.cos(90 * across)))
+    pelmet = smoothstep(0.13, 0.11, down + 0.012 * np.cos(90 * across))
+    cover = np.maximum(smoothstep(0.0, 0.03, side - hem), pelmet)
     return cover, 0.72 + 0.28 * np.sin(2 * np.pi * 13 * across) * np.sin(np.pi * across)
 
 
-def _window(rng: np.random.Generator, size: int) -> Texture:
+def _window(rng: np.random.Generator, size: int) -> Cell:
     """A dark room behind glass: curtains, and a plant on the sill."""
     down, across = pixels(size)
     share, waves = _reflection(rng, size)
@@ -65,7 +65,7 @@ def _window(rng: np.random.Generator, size: int) -> Texture:
     return colour * _shade(size)[..., None], waves
 
 
-def _lit(rng: np.random.Generator, size: int) -> Texture:
+def _lit(rng: np.random.Generator, size: int) -> Cell:
     """The same with a lamp on: a warm wall, a lamp with its shade, curtains."""
     down, across = pixels(size)
     share, waves = _reflection(rng, size)
@@ -82,12 +82,12 @@ def _lit(rng: np.random.Generator, size: int) -> Texture:
     return colour * _shade(size)[..., None], waves
 
 
-def _plain(rng: np.random.Generator, size: int) -> Texture:
+def _plain(rng: np.random.Generator, size: int) -> Cell:
     share, waves = _reflection(rng, size)
     return mix(DARK, SKY, 0.9 * share), waves
 
 
-def _lens(rng: np.random.Generator, size: int) -> Texture:
+def _lens(rng: np.random.Generator, size: int) -> Cell:
     """Prisms lie in rings above and below a bull's eye; nearly white, materials tint it."""
     down, across = pixels(size)
     away = np.abs(down - 0.5) * 2

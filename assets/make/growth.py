@@ -43,8 +43,8 @@ def _frond(rng: np.random.Generator, length: float, droop: float, pairs: int) ->
             size = reach[i] * rng.uniform(0.88, 1.12)
             tip = ahead + size * (0.55 * forward + np.array([0.0, 0.80 * side, -0.42 - 0.25 * along[i]]))
             upper = np.array([base, ahead, tip]) - [0, 0, 0.012 * (i % 2)]
-            flat = np.array([(0.03, 0.02), (0.03, 0.48), (0.97, 0.25)])
-            for shape, place in ((upper, flat), ((upper - [0, 0, THIN])[::-1], (flat + [0, 0.5])[::-1])):
+            green, pale = (np.array([(0.03, v + 0.02), (0.03, v + 0.48), (0.97, v + 0.25)]) for v in (0.0, 0.5))
+            for shape, place in ((upper, green), ((upper - np.array([0, 0, THIN]))[::-1], pale[::-1])):
                 triangles.append(shape if side > 0 else shape[::-1])
                 uv.append(place if side > 0 else place[::-1])
     return Part(np.array(triangles), np.array(uv), "frond", 1.0)
@@ -80,7 +80,8 @@ def _hanging(corners: Array, turn: float) -> Array:
     away = np.arctan2(corners[..., 1], corners[..., 0]) + turn
     bend = (away - heading + np.pi) % (2 * np.pi) - np.pi
     out = np.hypot(corners[..., 0], corners[..., 1])
-    return np.stack([0.62 * (heading + np.where(out > 0.15, bend, 0.0)), -np.hypot(out, corners[..., 2].max() - corners[..., 2])], axis=-1)
+    down = np.hypot(out, corners[..., 2].max() - corners[..., 2])
+    return np.stack([0.62 * (heading + np.where(out > 0.15, bend, 0.0)), -down], axis=-1)
 
 
 def bush(seed: int) -> Model:

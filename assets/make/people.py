@@ -7,11 +7,12 @@ from make.shapes import Array, Model, Part, ball, loft, moved, surface, tube
 
 HANDS = (0.34, 0.0, 1.15)  # m, where the remote control is held
 TILT = -0.3  # rad, its pitch
+HEAD = 1.08  # how much larger than life the head is
 
 
 def person() -> Model:
     """1.78 m tall with the cap, in a blue jacket, jeans and red shoes."""
-    model: Model = _head() + _cap() + _torso()
+    model: Model = moved(_head() + _cap(), to=(0, 0, LOW - 0.02 - HEAD * LOW), scale=(HEAD,) * 3) + _torso()
     for side in (1, -1):
         model += _arm(side) + _leg(side) + moved(_hand(side), pitch=TILT, to=HANDS)
     return model
@@ -51,7 +52,7 @@ def _torso() -> Model:
     collar = _upright([(1.440, -0.002, 0.070, 0.076), (1.505, 0.008, 0.066, 0.068)], "jacket", 12, 2.1)  # fmt: skip
     front = [(0.124, 0, 0.86), (0.123, 0, 1.05), (0.137, 0, 1.20), (0.136, 0, 1.31), (0.098, 0, 1.412),
              (0.072, 0, 1.46), (0.075, 0, 1.50)]  # fmt: skip
-    hips = _upright([(0.76, 0.0, 0.082, 0.140), (0.83, 0.0, 0.106, 0.164), (0.89, 0.0, 0.110, 0.164)], "jeans", 10)
+    hips = _upright([(0.795, 0.0, 0.075, 0.120), (0.84, 0.0, 0.104, 0.162), (0.89, 0.0, 0.110, 0.164)], "jeans", 10)
     neck = tube([(-0.004, 0, 1.42), (0.010, 0, 1.50), (0.020, 0, 1.56)], [0.056, 0.053, 0.055], "skin", 8)
     return [jacket, collar, tube(front, 0.005, "sole", 4), hips, _plain(neck)]
 
@@ -74,12 +75,14 @@ def _head() -> Model:
     angle = np.linspace(-np.pi, np.pi, count + 1)
     ring = np.column_stack([np.cos(angle), np.sin(angle)])[:-1]
     ring = np.sign(ring) * np.abs(ring) ** (2 / 2.15)
-    rows = [np.column_stack([x + deep * ring[:, 0], wide * ring[:, 1], np.full(count, z)]) for z, x, deep, wide in sections]
+    rows = [
+        np.column_stack([x + deep * ring[:, 0], wide * ring[:, 1], np.full(count, z)]) for z, x, deep, wide in sections
+    ]
     uv = np.dstack(np.broadcast_arrays(0.5 + angle / (2 * np.pi), (sections[:, :1] - LOW) / HEIGHT))
     model: Model = [surface(rows, "skin", closed=True, caps=(True, True), crease=1.5, uv=uv)]
     model += [
         _plain(ball((0.019, 0.0140, 0.0145), (0.109, 0, 1.602), "skin", 8, 5)),
-        _plain(tube([(0.090, 0, 1.662), (0.098, 0, 1.632), (0.108, 0, 1.604)], [0.008, 0.0085, 0.0105], "skin", 6, 1.6)),
+        _plain(tube([(0.090, 0, 1.662), (0.098, 0, 1.632), (0.108, 0, 1.604)], [0.008, 0.009, 0.010], "skin", 6, 1.6)),
         _upright(
             [
                 (1.572, -0.050, 0.036, 0.055),
@@ -119,7 +122,7 @@ def _cap() -> Model:
     )
     across = np.linspace(-1.25, 1.25, 9)
     inner = np.column_stack([0.005 + 0.100 * np.cos(across), 0.086 * np.sin(across)])
-    reach = 0.054 * np.cos(1.05 * across) ** 0.6
+    reach = 0.045 * np.cos(1.05 * across) ** 0.6
     outer = inner + np.column_stack([np.cos(across), 0.55 * np.sin(across)]) * reach[:, None]
     rows = []
     for near, far in zip(inner, outer, strict=True):

@@ -17,8 +17,8 @@ MAKERS: dict[str, Callable[[np.random.Generator], Texture]] = {
         *(wild.rock, wild.needles, wild.leaves, wild.frond),
         *(landscape.clouds, landscape.horizon, landscape.stars),
         *(workshop.wood, workshop.planks, workshop.cobbles, workshop.bricks, workshop.roof_tiles, workshop.plaster),
-        *(workshop.metal, workshop.enamel, workshop.panels, workshop.weave, workshop.fabric, workshop.hair, workshop.concrete),
-        *(workshop.test_card, faces.face, glazing.glass),
+        *(workshop.metal, workshop.enamel, workshop.panels, workshop.weave, workshop.fabric, workshop.hair),
+        *(workshop.concrete, workshop.test_card, faces.face, glazing.glass),
     )
 }
 

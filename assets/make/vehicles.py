@@ -32,10 +32,14 @@ def _along_y(outline: list[tuple[float, float]], width: float, material: str) ->
     flat, bevel = np.array(outline), 0.035
     middle, half = (flat.max(axis=0) + flat.min(axis=0)) / 2, np.ptp(flat, axis=0) / 2
     inset = middle + (flat - middle) * (1 - bevel / half)
-    rows = [np.column_stack([ring, np.full(len(flat), y)]) for ring, y in
-            ((inset, 0.0), (flat, bevel), (flat, width - bevel), (inset, width))]
-    return surface(rows, material, closed=True, caps=(True, True), crease=0.3).boxed().moved(
-        (0, width / 2, 0), roll=np.pi / 2
+    rows = [
+        np.column_stack([ring, np.full(len(flat), y)])
+        for ring, y in ((inset, 0.0), (flat, bevel), (flat, width - bevel), (inset, width))
+    ]
+    return (
+        surface(rows, material, closed=True, caps=(True, True), crease=0.3)
+        .boxed()
+        .moved((0, width / 2, 0), roll=np.pi / 2)
     )
 
 

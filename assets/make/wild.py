@@ -3,7 +3,7 @@
 import numpy as np
 
 from make.canvas import Texture, mix, pixels
-from make.noise import cells, fractal, smoothstep, value_noise
+from make.noise import cells, fractal, smoothstep
 
 
 def rock(rng: np.random.Generator) -> Texture:
@@ -13,13 +13,12 @@ def rock(rng: np.random.Generator) -> Texture:
     layers = fractal(rng, size, 3, 14, 5, 0.55)
     grain = fractal(rng, size, 64, octaves=3, gain=0.7)
     vein = np.abs(fractal(rng, size, 3, octaves=5, gain=0.5) - 0.5)
-    crack = 1 - smoothstep(0.0, 0.012, vein) * smoothstep(0.35, 0.55, fractal(rng, size, 2, octaves=3))
-    crack = np.where(fractal(rng, size, 3, octaves=2) > 0.45, 1 - smoothstep(0.0, 0.014, vein), 0.0) * crack
+    crack = (1 - smoothstep(0.0, 0.010, vein)) * smoothstep(0.50, 0.62, fractal(rng, size, 3, octaves=2))
     lichen = smoothstep(0.66, 0.80, fractal(rng, size, 7, octaves=5, gain=0.6))
     share = np.clip(0.45 * base + 0.25 * layers + 0.35 * grain - 0.05, 0, 1)
-    colour = mix((0.33, 0.32, 0.31), (0.70, 0.67, 0.62), share) * (1 - 0.35 * crack)[..., None]
+    colour = mix((0.33, 0.32, 0.31), (0.70, 0.67, 0.62), share) * (1 - 0.30 * crack)[..., None]
     colour += (np.array([0.55, 0.55, 0.40]) - colour) * 0.35 * lichen[..., None]
-    return colour, 9 * base + 5 * layers + 3.0 * grain - 2.0 * crack
+    return colour, 9 * base + 5 * layers + 3.0 * grain - 1.5 * crack
 
 
 def needles(rng: np.random.Generator) -> Texture:
