@@ -140,6 +140,6 @@ MODELS = {
     "pine": lambda: pine(2),
     "bush": lambda: bush(3),
     "rock_round": lambda: rock(22, (0.9, 0.8, 0.78)),
-    "rock_flat": lambda: rock(42, (1.7, 1.1, 0.62)),
+    "rock_flat": lambda: rock(42, (1.6, 1.04, 0.64)),
     "rock_tall": lambda: rock(63, (1.4, 1.2, 3.1)),
 }
