@@ -107,9 +107,9 @@ def rock(seed: int, size: tuple[float, float, float]) -> Model:
     """A boulder with flats, sunk into the ground so far that it widens down to it."""
     rng = np.random.default_rng(seed)
     stone = _lump(rng, size, 14, 9, "rock", 0.10, flats=8)
-    corners = stone.corners + np.array([0, 0, 0.30 * size[2]])
+    corners = stone.corners + np.array([0, 0, 0.10 * size[2]])
     low = np.clip(-corners[..., 2:] / size[2], 0, 1)
-    corners[..., :2] *= 1 + 0.3 * low
+    corners[..., :2] *= 1 + 0.5 * low
     corners[..., 2] = np.maximum(corners[..., 2], 0.0)
     solid = np.ptp(corners[..., 2], axis=1) > 1e-6
     return [Part(corners[solid], stone.uv[solid], "rock", 0.75).boxed()]
@@ -139,7 +139,7 @@ MODELS = {
     "palm": lambda: palm(1),
     "pine": lambda: pine(2),
     "bush": lambda: bush(3),
-    "rock_round": lambda: rock(22, (0.9, 0.8, 0.78)),
-    "rock_flat": lambda: rock(42, (1.6, 1.04, 0.64)),
-    "rock_tall": lambda: rock(63, (1.4, 1.2, 3.1)),
+    "rock_round": lambda: rock(22, (0.84, 0.75, 0.88)),
+    "rock_flat": lambda: rock(42, (1.55, 1.0, 0.72)),
+    "rock_tall": lambda: rock(63, (1.4, 1.2, 3.5)),
 }
