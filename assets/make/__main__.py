@@ -5,14 +5,14 @@ from pathlib import Path
 
 from rich.progress import Progress
 
-from make import buildings, drones, furniture, gates, nature, people, vehicles
+from make import buildings, drones, furniture, gates, growth, nature, people, vehicles
 from make.obj import write_model
 from make.textures import MAKERS, write_texture
 
 ASSETS = Path(__file__).resolve().parent.parent
 MODELS = {
     name: maker
-    for subject in (drones, people, furniture, gates, buildings, vehicles, nature)
+    for subject in (drones, people, furniture, gates, buildings, vehicles, nature, growth)
     for name, maker in subject.MODELS.items()
 }
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from make.glazing import glazed
 from make.shapes import Model, Part, ball, box, circle, lathe, moved, prism, surface, tube
 
 
@@ -34,7 +35,7 @@ def window(width: float, height: float, glass: str = "glass", shutters: str | No
         for x, margin in ((0.0, 0.08), (0.08, 0.08), (0.08, 0.0), (0.01, 0.0))
     ]
     model: Model = [
-        _sheet(0.02, width, height, 0, glass),
+        glazed(_sheet(0.02, width, height, 0, glass), "lit" if glass == "glass_lit" else "window"),
         _sheet(0.03, 0.05, height, 0, "trim"),
         _sheet(0.03, width, 0.05, 0.1, "trim"),
         surface(frame, "trim", closed=True, crease=0.3).boxed(),
@@ -55,10 +56,10 @@ def _sheet(x: float, width: float, height: float, z: float, material: str) -> Pa
 def door(width: float, height: float, material: str = "door") -> Model:
     """A door with frame, handle and a step, its threshold at the origin, looking along +x."""
     return [
-        box((0.06, width, height), (0.01, 0, height / 2), material),
-        box((0.12, width + 0.28, 0.14), (0.03, 0, height + 0.07), "trim"),
-        *(box((0.12, 0.14, height), (0.03, side * (width / 2 + 0.07), height / 2), "trim") for side in (1, -1)),
-        ball((0.04, 0.04, 0.04), (0.08, width * 0.36, height * 0.48), "brass", 6, 4),
+        box((0.19, width, height), (0, 0, height / 2), material),
+        box((0.20, width + 0.28, 0.14), (0.03, 0, height + 0.07), "trim"),
+        *(box((0.20, 0.14, height), (0.03, side * (width / 2 + 0.07), height / 2), "trim") for side in (1, -1)),
+        ball((0.04, 0.04, 0.04), (0.12, width * 0.36, height * 0.48), "brass", 6, 4),
         box((0.55, width + 0.5, 0.14), (0.25, 0, 0.07), "stone"),
     ]
 
@@ -148,7 +149,7 @@ def lighthouse() -> Model:
         )
     model += [
         lathe([(1.05, 9.55), (1.55, 9.85), (1.55, 10.0), (0.0, 10.0)], "stone", 16, crease=0.3),
-        lathe([(0.75, 10.0), (0.75, 11.4)], "glass_lit", 12, crease=0.2),
+        glazed(lathe([(0.75, 10.0), (0.75, 11.4)], "lamp", 16), "lens"),
         lathe(
             [(1.0, 11.35), (1.0, 11.5), (0.25, 12.3), (0.10, 12.35), (0.10, 12.6), (0.0, 12.75)],
             "paint_red",

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from make.glazing import glazed
 from make.shapes import Model, Part, ball, box, centred, lathe, loft, moved, surface, tube
 
 REACH = 0.19  # m from the middle to a rotor of the user's drone, along x and along y
@@ -52,7 +53,7 @@ def drone() -> Model:
     model = [shell, canopy, nose, stripe]
     model += [
         tube([(0.150, 0, -0.030), (0.176, 0, -0.030)], [0.018, 0.016], "shell_dark", 12),
-        tube([(0.174, 0, -0.030), (0.180, 0, -0.030)], [0.012, 0.010], "lens", 12),
+        glazed(tube([(0.174, 0, -0.030), (0.180, 0, -0.030)], [0.012, 0.010], "lens", 12), "plain"),
     ]
     for x, y in CORNERS:
         model += _duct(x * REACH, y * REACH, "accent" if x > 0 else "shell_dark")
@@ -65,11 +66,14 @@ def drone() -> Model:
             )
         )
         model.append(
-            box(
-                (0.02, 0.02, 0.008),
-                (x * (REACH + 0.096), y * (REACH + 0.096), 0.030),
-                "light_white" if x > 0 else ("light_green" if y < 0 else "light_red"),
-                bevel=0.002,
+            glazed(
+                box(
+                    (0.02, 0.02, 0.008),
+                    (x * (REACH + 0.096), y * (REACH + 0.096), 0.030),
+                    "light_white" if x > 0 else ("light_green" if y < 0 else "light_red"),
+                    bevel=0.002,
+                ),
+                "lens",
             )
         )
     for side in (1.0, -1.0):
@@ -164,7 +168,7 @@ def wood_drone() -> Model:
                 (0.155, 0.0485 * side, 0.016), roll=-np.pi / 2 * side, pitch=np.pi if side < 0 else 0
             )
         )
-        model.append(ball((0.011, 0.006, 0.011), (0.157, 0.047 * side, 0.016), "lens", 8, 6))
+        model.append(glazed(ball((0.011, 0.006, 0.011), (0.157, 0.047 * side, 0.016), "lens", 8, 6), "plain"))
     for x, y in CORNERS:
         end = np.array([x * WOOD_REACH, y * WOOD_REACH, 0.020])
         start = np.array([0.055 * x, 0.03 * y, 0.005])

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from make.glazing import glazed
 from make.shapes import Model, Part, ball, box, circle, lathe, loft, surface, tube
 
 
 def television() -> Model:
     """A cathode-ray television of the seventies on a stand with casters; the screen looks along +x."""
     model = [
-        box((0.46, 0.84, 0.62), (-0.02, 0, 0.68), "cabinet", bevel=0.025),
+        box((0.46, 0.84, 0.62), (-0.02, 0, 0.68), "cabinet", bevel=0.025).grained(),
         loft(
             [(-0.42, 0.67, 0.20, 0.16), (-0.40, 0.67, 0.25, 0.20), (-0.25, 0.68, 0.36, 0.26)], "plastic", 16, power=4.5
         ),
@@ -19,7 +20,7 @@ def television() -> Model:
     for z, radius in ((0.86, 0.042), (0.75, 0.042)):
         model += [
             _knob(radius, (0.222, -0.305, z)),
-            box((0.006, 0.008, 2 * radius), (0.250, -0.305, z), "shell", bevel=0.001),
+            box((0.006, 0.008, 2 * radius), (0.250, -0.305, z), "plastic", bevel=0.001),
         ]
     model += [_knob(0.014, (0.222, -0.305 + y, 0.665)) for y in (-0.045, 0.0, 0.045)]
     model += [box((0.008, 0.13, 0.008), (0.226, -0.305, z), "plastic") for z in np.arange(0.475, 0.63, 0.026)]
@@ -39,9 +40,9 @@ def _bezel(back: float, front: float, width: float, height: float, y: float, z: 
 
 
 def _screen(width: float, height: float, y: float, z: float) -> Part:
-    """Slightly curved glass; the picture fills it, its top up, its left on the viewer's left."""
+    """Curved glass; the picture fills it, its top up, its left on the viewer's left."""
     across, up = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 7))
-    bulge = 0.2125 + 0.026 * (1 - across**2) * (1 - up**2)
+    bulge = 0.2105 + 0.042 * (1 - (across**2 + 0.62 * up**2) / 1.62)
     part = surface(np.dstack([bulge, y + across * width / 2, z + up * height / 2]), "screen", crease=1.5)
     uv = (part.corners[..., 1:] - [y, z]) / [width, height] + 0.5
     return Part(part.corners, uv, part.material, part.crease)
@@ -55,7 +56,7 @@ def _knob(radius: float, at: tuple[float, float, float]) -> Part:
 
 def _stand() -> Model:
     """Four splayed legs on casters, and a shelf."""
-    model: Model = [box((0.42, 0.78, 0.03), (-0.02, 0, 0.355), "cabinet", bevel=0.008)]
+    model: Model = [box((0.42, 0.78, 0.03), (-0.02, 0, 0.355), "cabinet", bevel=0.008).grained()]
     for x in (0.15, -0.19):
         for side in (1, -1):
             top, foot = np.array([x, 0.34 * side, 0.35]), np.array([x + np.sign(x) * 0.03, 0.37 * side, 0.075])
@@ -86,7 +87,7 @@ def remote_control() -> Model:
     """Two sticks, a display and an aerial; held flat, its aerial points along +x."""
     model: Model = [
         box((0.11, 0.19, 0.032), (0, 0, 0), "shell_dark", bevel=0.009),
-        box((0.030, 0.062, 0.004), (-0.030, 0, 0.017), "glass_lit"),
+        glazed(box((0.030, 0.062, 0.004), (-0.030, 0, 0.017), "glass_lit"), "plain"),
     ]
     for side in (1, -1):
         gimbal = lathe([(0.022, 0.0), (0.020, 0.006), (0.008, 0.004)], "steel", 10)
@@ -108,13 +109,14 @@ def crate() -> Model:
     for a in (-half, half):
         for b in (-half, half):
             model += [
-                box((rail, rail, side), (a, b, side / 2), "wood_light"),
-                box((side - 2 * rail, rail, rail), (0, a, side / 2 + b), "wood_light"),
-                box((rail, side - 2 * rail, rail), (a, 0, side / 2 + b), "wood_light"),
+                box((rail, rail, side), (a, b, side / 2), "wood_light").grained(),
+                box((side - 2 * rail, rail, rail), (0, a, side / 2 + b), "wood_light").grained(),
+                box((rail, side - 2 * rail, rail), (a, 0, side / 2 + b), "wood_light").grained(),
             ]
     for yaw in (0, np.pi / 2, np.pi, -np.pi / 2):
         model.append(
             box((0.86, 0.018, 0.08), (0, 0, 0), "wood_light")
+            .grained()
             .moved(pitch=np.pi / 4)
             .moved((0, inner / 2 + 0.009, side / 2))
             .moved(yaw=yaw)

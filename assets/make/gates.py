@@ -15,7 +15,7 @@ def ring() -> Model:
     """A ring as in drone races, 1.84 m clear, striped, on a heavy foot with four braces."""
     stripes, steps = 12, 4
     model: Model = [
-        _torus(2 * np.pi * np.linspace(i, i + 1, steps + 1) / stripes, "accent" if i % 2 else "shell")
+        _torus(2 * np.pi * np.linspace(i, i + 1, steps + 1) / stripes, "accent" if i % 2 else "paint_cream")
         for i in range(stripes)
     ]
     model.append(box((1.10, 1.30, 0.16), (0, 0, 0.08), "shell_dark", bevel=0.03))
@@ -82,16 +82,17 @@ def _barrel(inner: np.ndarray, outer: np.ndarray, half_depth: float, material: s
 def table() -> Model:
     """A high table, 2.0 m along y and 1.2 m along x, its four legs 1.6 m apart: 1.1 m clear beneath."""
     deep, wide, height = 1.2, 2.0, 1.28
-    model: Model = [box((deep, wide, 0.05), (0, 0, height - 0.025), "cabinet", bevel=0.012)]
+    model: Model = [box((deep, wide, 0.05), (0, 0, height - 0.025), "cabinet", bevel=0.012).grained()]
     x, y = deep / 2 - 0.11, wide / 2 - 0.14
     under = height - 0.05
     for side in (1, -1):
         model += [
-            box((0.09, 0.09, under), (along * x, side * y, under / 2), "wood_light", taper=1.2) for along in (1, -1)
+            box((0.09, 0.09, under), (along * x, side * y, under / 2), "wood_light", taper=1.2).grained()
+            for along in (1, -1)
         ]
         model += [
-            box((2 * x, 0.03, 0.12), (0, side * y, under - 0.06), "wood_light"),
-            box((0.03, 2 * y, 0.12), (side * x, 0, under - 0.06), "wood_light"),
+            box((2 * x, 0.03, 0.12), (0, side * y, under - 0.06), "wood_light").grained(),
+            box((0.03, 2 * y, 0.12), (side * x, 0, under - 0.06), "wood_light").grained(),
         ]
     return model
 

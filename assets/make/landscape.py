@@ -3,72 +3,71 @@
 import numpy as np
 
 from make.canvas import Texture, mix, pixels
-from make.noise import cells, fractal, smoothstep, value_noise
+from make.noise import cells, fractal, smoothstep
 from make.shapes import Array
 
-GRASS = ((0.24, 0.38, 0.12), (0.62, 0.68, 0.30))
-SAND = ((0.80, 0.70, 0.51), (0.93, 0.86, 0.69))
+GRASS = ((0.17, 0.28, 0.09), (0.55, 0.63, 0.27))
+SAND = ((0.56, 0.48, 0.35), (0.80, 0.73, 0.58))
+BLADES = 130_000  # strokes on a texture of a thousand pixels
+LEVELS = 32  # of what is as good as noise; finer ones only make files larger
 
 
 def grass(rng: np.random.Generator) -> Texture:
-    """A meadow: patches, tufts and blades, with a few daisies."""
-    size = 512
+    """A meadow, blade by blade, with a few daisies."""
+    size = 1024
     share, blades = _meadow(rng, size)
     colour = mix(GRASS[0], GRASS[1], share)
-    near, _, cell = cells(rng, size, 24, 0.9)
-    bloom = (near < 0.07) & (rng.random(24 * 24) < 0.10)[cell]
-    colour[bloom] = (0.95, 0.93, 0.80)
-    return colour, 3 * blades
+    near, _, cell = cells(rng, size, 26, 0.9)
+    bloom, heart = (near < 0.075) & (rng.random(26 * 26) < 0.07)[cell], near < 0.028
+    colour[bloom] = (0.80, 0.78, 0.70)
+    colour[bloom & heart] = (0.75, 0.60, 0.18)
+    return colour, 1.7 * blades + 1.5 * bloom
 
 
 def sand(rng: np.random.Generator) -> Texture:
-    """Grains and low ripples."""
-    size = 256
-    share, ripples = _beach(rng, size)
-    return mix(SAND[0], SAND[1], share), 2.0 * ripples
+    """Grains, a few shells, faint ripples."""
+    size = 512
+    down, across = pixels(size)
+    share, grains = _grains(rng, size)
+    bend = fractal(rng, size, 3, octaves=3)
+    ripples = 0.5 + 0.5 * np.sin(2 * np.pi * (9 * down + 2 * across + 1.3 * bend))
+    near, _, cell = cells(rng, size, 18, 0.9)
+    shell = smoothstep(0.11, 0.07, near) * (rng.random(324) < 0.06)[cell]
+    colour = mix(SAND[0], SAND[1], share)
+    colour += (np.array([0.82, 0.77, 0.70]) - colour) * 0.8 * shell[..., None]
+    return colour, grains + 1.6 * ripples + 2.0 * shell
 
 
 def shore(rng: np.random.Generator) -> Texture:
     """Where the meadow ends: sand below, grass above; tiles sideways only."""
-    size = 512
+    size = 1024
     down, _ = pixels(size)
-    meadow, _ = _meadow(rng, size)
-    beach, _ = _beach(rng, size)
-    edge = 1 - down + 0.55 * (fractal(rng, size, 6, 6, 5, 0.6) - 0.5)
-    cover = smoothstep(0.42, 0.56, edge)
+    meadow, blades = _meadow(rng, size)
+    beach, grains = _grains(rng, size)
+    edge = 1 - down + 0.55 * (fractal(rng, size, 6, 6, 6, 0.6) - 0.5) + 0.10 * (blades - 0.5)
+    cover = smoothstep(0.44, 0.54, edge)
     cover = np.where(down < 0.05, 1.0, np.where(down > 0.95, 0.0, cover))
     both = mix(SAND[0], SAND[1], beach), mix(GRASS[0], GRASS[1], meadow)
-    ripples = _relief(rng, size)
-    return both[0] + (both[1] - both[0]) * cover[..., None], ripples
+    colour = both[0] + (both[1] - both[0]) * cover[..., None]
+    colour *= (1 - 0.25 * smoothstep(0.40, 0.48, edge) * (1 - cover))[..., None]
+    return colour, grains + (1.7 * blades - grains) * cover
 
 
 def path(rng: np.random.Generator) -> Texture:
     """Trodden gravel between two fringes of grass; runs along v, and tiles that way only."""
-    size = 256
+    size = 512
     _, across = pixels(size)
     meadow, _ = _meadow(rng, size)
-    pebbles, second, cell = cells(rng, size, 28, 0.9)
+    pebbles, second, cell = cells(rng, size, 36, 0.9)
     grain = fractal(rng, size, 32, octaves=3)
-    shade = np.clip(0.5 * rng.uniform(0, 1, 784)[cell] + 0.4 * grain + 0.3 * (second - pebbles), 0, 1)
-    gravel = mix((0.50, 0.42, 0.30), (0.80, 0.72, 0.57), shade)
+    shade = np.clip(0.5 * rng.uniform(0, 1, 1296)[cell] + 0.4 * grain + 0.3 * (second - pebbles), 0, 1)
+    gravel = mix((0.40, 0.34, 0.25), (0.70, 0.63, 0.50), shade)
     ruts = np.abs(np.abs(across - 0.5) - 0.17)
     gravel = gravel * (0.90 + 0.10 * smoothstep(0.0, 0.10, ruts))[..., None]
     edge = np.abs(across - 0.5) * 2 + 0.30 * (fractal(rng, size, 4, 8, 5, 0.6) - 0.5)
     cover = np.maximum(smoothstep(0.70, 0.86, edge), smoothstep(0.90, 0.97, np.abs(across - 0.5) * 2))
     stones = 3 * smoothstep(0.0, 0.35, second - pebbles) * (1 - cover) + 2 * fractal(rng, size, 32, octaves=2) * cover
     return gravel + (mix(GRASS[0], GRASS[1], meadow) - gravel) * cover[..., None], stones
-
-
-def rock(rng: np.random.Generator) -> Texture:
-    """Layered stone with cracks and lichen."""
-    size = 256
-    base = fractal(rng, size, 4, 8, 6, 0.6)
-    near, second, _ = cells(rng, size, 5, 1.0)
-    crack = smoothstep(0.0, 0.10, second - near + 0.12 * (fractal(rng, size, 16, octaves=3) - 0.5))
-    lichen = smoothstep(0.62, 0.80, fractal(rng, size, 6, octaves=5, gain=0.6))
-    colour = mix((0.38, 0.37, 0.36), (0.74, 0.71, 0.66), base) * (0.72 + 0.28 * crack)[..., None]
-    colour += (np.array([0.56, 0.57, 0.38]) - colour) * 0.45 * lichen[..., None]
-    return colour, 7 * base + 3 * crack
 
 
 def bark(rng: np.random.Generator) -> Texture:
@@ -78,32 +77,6 @@ def bark(rng: np.random.Generator) -> Texture:
     scale = fractal(rng, size, 4, 24, 3)
     share = np.clip(0.75 * ridge + 0.35 * scale - 0.05, 0, 1)
     return mix((0.24, 0.17, 0.12), (0.62, 0.49, 0.37), share), 8 * share
-
-
-def leaves(rng: np.random.Generator) -> Texture:
-    """Foliage as a heap of small leaves, dark between them."""
-    size = 256
-    total, top = np.zeros((size, size)), np.zeros((size, size))
-    for across in (9, 13, 18):
-        near, second, cell = cells(rng, size, across, 1.0)
-        shade = rng.uniform(0.2, 1, across * across)[cell]
-        leaf = smoothstep(0.0, 0.5, second - near) * shade
-        total = np.where(leaf > top, shade * (0.55 + 0.45 * smoothstep(0, 0.4, second - near)), total)
-        top = np.maximum(top, leaf)
-    return mix((0.07, 0.17, 0.06), (0.56, 0.70, 0.30), np.clip(total, 0, 1)), 4 * total
-
-
-def frond(rng: np.random.Generator) -> Texture:
-    """One palm leaf from its stalk (left) to its tip: leaflets slanting from the rib."""
-    size = 256
-    down, across = pixels(size)
-    side = np.abs(down - 0.5) * 2
-    slant = (across - 0.22 * side) * 34
-    groove = np.abs(slant % 1 - 0.5) * 2
-    rib = smoothstep(0.10, 0.03, side)
-    share = np.clip(0.25 + 0.45 * groove + 0.30 * value_noise(rng, size, 34, 2) - 0.12 * side, 0, 1)
-    colour = mix((0.10, 0.27, 0.07), (0.55, 0.70, 0.26), share)
-    return colour + (np.array([0.72, 0.74, 0.42]) - colour) * rib[..., None], 2 * groove + 3 * rib
 
 
 def clouds(rng: np.random.Generator) -> Texture:
@@ -149,23 +122,31 @@ def stars(rng: np.random.Generator) -> Texture:
     return np.minimum(colour, 1.0), None
 
 
-def _relief(rng: np.random.Generator, size: int) -> Array:
-    """Tufts and ripples, low."""
-    return 2.5 * fractal(rng, size, 24, octaves=3)
-
-
 def _meadow(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
-    """How light the grass is, and how high."""
-    patches = fractal(rng, size, 3, octaves=4, gain=0.6)
-    tufts = fractal(rng, size, 32, octaves=2)
-    blades = fractal(rng, size, 128, 64, 2)
-    return np.clip(0.36 * patches + 0.30 * tufts + 0.42 * blades - 0.08, 0, 1), 0.5 * tufts + blades
+    """How light the grass is, and how high: blades lie on each other in all directions, the later ones above."""
+    patches = fractal(rng, size, 2, octaves=5, gain=0.7)
+    ground = fractal(rng, size, size // 16, octaves=3)
+    count = BLADES * size**2 // 1024**2
+    steps = np.linspace(0, 1, 24)
+    row, column = rng.uniform(0, size, (2, count, 1))
+    turn, length = rng.uniform(0, 2 * np.pi, (count, 1)), rng.uniform(9, 24, (count, 1))
+    bend = rng.normal(0, 0.5, (count, 1)) * steps
+    i = np.round(row + length * steps * np.sin(turn + bend)).astype(int) % size
+    j = np.round(column + length * steps * np.cos(turn + bend)).astype(int) % size
+    rank = np.linspace(0, 1, count)[:, None]
+    share, high = 0.25 * ground, 0.3 * ground
+    share[i, j] = (0.20 + 0.50 * rank) * rng.uniform(0.6, 1.25, (count, 1)) * (0.70 + 0.30 * steps)
+    high[i, j] = 0.2 + 0.6 * rank + 0.2 * np.sin(np.pi * steps)
+    share = np.clip(share + 0.08 * (patches - 0.5) + 0.10, 0, 1)
+    return np.round(share * LEVELS) / LEVELS, np.round(high * LEVELS) / LEVELS
 
 
-def _beach(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
+def _grains(rng: np.random.Generator, size: int) -> tuple[Array, Array]:
     """How light the sand is, and how high."""
-    down, across = pixels(size)
-    bend = fractal(rng, size, 3, octaves=3)
-    ripples = 0.5 + 0.5 * np.sin(2 * np.pi * (7 * down + 2 * across + 1.2 * bend))
-    grains = fractal(rng, size, 64, octaves=2)
-    return np.clip(0.25 * ripples + 0.45 * grains + 0.35 * bend, 0, 1), ripples + 0.6 * grains
+    grains = rng.random((size, size))
+    grains = 0.5 * grains + 0.25 * (np.roll(grains, 1, axis=0) + np.roll(grains, 1, axis=1))
+    lumps = fractal(rng, size, size // 16, octaves=3)
+    drifts = fractal(rng, size, 6, octaves=4)
+    share = 0.40 * grains + 0.30 * lumps + 0.14 * drifts + 0.10
+    height = 0.8 * grains + 1.3 * lumps
+    return np.round(np.clip(share, 0, 1) * LEVELS) / LEVELS, np.round(height * LEVELS) / LEVELS

@@ -1,8 +1,8 @@
-"""The island, the sea, trees and rocks."""
+"""The island and the sea."""
 
 import numpy as np
 
-from make.shapes import Array, Model, Part, ball, circle, surface, tube
+from make.shapes import Array, Model, Part, circle, surface
 
 SQUARE = 7.0  # m, radius of the paved square in the middle
 PLATEAU = 45.0  # m, how far the flat land reaches at least
@@ -95,113 +95,7 @@ def water() -> Model:
     return [surface(rows, "water", closed=True, caps=(False, True)).boxed()]
 
 
-def palm(seed: int) -> Model:
-    """A bent trunk, two tiers of fronds and a few nuts."""
-    rng = np.random.default_rng(seed)
-    height = 4.6
-    rise = np.linspace(0, 1, 5)
-    path = np.column_stack([0.55 * rise**2 - 0.25, 0.12 * np.sin(2.5 * rise), height * rise])
-    radius = 0.17 - 0.07 * rise + 0.05 * (1 - rise) ** 6
-    top = path[-1]
-    model: Model = [tube(path, radius, "palm_bark", 6, caps=(False, False))]
-    for tier, (count, droop, length) in enumerate(((6, 1.05, 1.75), (5, 0.45, 1.45))):
-        for leaf in range(count):
-            yaw = 2 * np.pi * (leaf + 0.5 * tier + rng.uniform(-0.15, 0.15)) / count
-            model.append(_frond(length * rng.uniform(0.92, 1.08), droop + rng.uniform(-0.1, 0.1)).moved(top, yaw=yaw))
-    model += [
-        ball((0.10, 0.10, 0.12), top + np.array([0.14 * np.cos(a), 0.14 * np.sin(a), -0.12]), "coconut", 5, 3)
-        for a in (0.5, 3.4)
-    ]
-    return model
-
-
-def _frond(length: float, droop: float) -> Part:
-    """A leaf along +x that rises and then bends down, folded along its rib, seen from both sides."""
-    along = np.linspace(0, 1, 4)
-    angle = 0.75 - (0.75 + droop) * along**0.8
-    steps = np.diff(along, prepend=0)[:, None] * length
-    rib = np.cumsum(np.column_stack([np.cos(angle), np.zeros(4), np.sin(angle)]) * steps, axis=0)
-    width = np.array([0.05, 0.27, 0.25, 0.01])
-    rows = np.array(
-        [rib + np.column_stack([np.zeros(4), side * width, -0.55 * width * abs(side)]) for side in (-1, 0, 1)]
-    ).swapaxes(0, 1)
-    uv = np.dstack(np.broadcast_arrays(along[:, None], np.array([0.0, 0.5, 1.0])))
-    upper, lower = (surface(rows[:, way], "frond", uv=uv[:, way]) for way in (slice(None), slice(None, None, -1)))
-    return Part(np.concatenate([upper.corners, lower.corners]), np.concatenate([upper.uv, lower.uv]), "frond", 1.0)
-
-
-def pine(seed: int) -> Model:
-    """A straight trunk and five skirts of needles, ragged at the hem."""
-    rng = np.random.default_rng(seed)
-    model: Model = [tube([(0, 0, 0), (0, 0, 0.25), (0, 0, 1.2)], [0.24, 0.16, 0.13], "bark", 7, caps=(False, False))]
-    count = 10
-    for tier in range(5):
-        low, radius, rise = 0.9 + 0.92 * tier, 1.45 - 0.25 * tier, 1.75 - 0.15 * tier
-        ragged = np.where(np.arange(count) % 2, 1.0, 0.80) * rng.uniform(0.92, 1.08, count)
-        ring = circle(count) @ np.array([[np.cos(tier), np.sin(tier)], [-np.sin(tier), np.cos(tier)]])
-        hem = np.column_stack([ring * (radius * ragged)[:, None], low - 0.12 * np.where(np.arange(count) % 2, 1, 0)])
-        inner = np.column_stack([ring * 0.12, np.full(count, low + 0.25)])
-        tip = np.tile([rng.uniform(-0.03, 0.03), rng.uniform(-0.03, 0.03), low + rise], (count, 1))
-        model.append(surface([inner, hem, tip], "needles", closed=True, crease=0.9))
-    return model
-
-
-def bush(seed: int) -> Model:
-    """Three round heaps of leaves with a few blossoms."""
-    rng = np.random.default_rng(seed)
-    model = [
-        _lump(rng, size, 8, 5, "foliage", 0.10).moved(at)
-        for size, at in (
-            ((0.55, 0.50, 0.48), (0, 0, 0.40)),
-            ((0.40, 0.42, 0.36), (0.42, 0.18, 0.33)),
-            ((0.38, 0.36, 0.34), (-0.30, -0.34, 0.32)),
-        )
-    ]
-    for _ in range(6):
-        angle, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 0.85)
-        out = np.sqrt(1 - up**2)
-        at = (0.54 * out * np.cos(angle), 0.50 * out * np.sin(angle), 0.40 + 0.49 * up)
-        model.append(ball((0.05, 0.05, 0.04), at, "flower_red", 4, 3))
-    return model
-
-
-def rock(seed: int, size: tuple[float, float, float]) -> Model:
-    """A boulder with flats, sunk a little into the ground."""
-    rng = np.random.default_rng(seed)
-    stone = _lump(rng, size, 12, 8, "rock", 0.16, flats=9)
-    corners = stone.corners + np.array([0, 0, 0.62 * size[2]])
-    corners[..., 2] = np.maximum(corners[..., 2], 0.0)
-    solid = np.ptp(corners[..., 2], axis=1) > 1e-6
-    return [Part(corners[solid], stone.uv[solid], "rock", 0.55).boxed()]
-
-
-def _lump(
-    rng: np.random.Generator,
-    size: tuple[float, float, float],
-    segments: int,
-    rings: int,
-    material: str,
-    rough: float,
-    flats: int = 0,
-) -> Part:
-    """A ball with dents, cut by a few planes."""
-    part = ball((1, 1, 1), (0, 0, 0), material, segments, rings)
-    points, index = np.unique(np.round(part.corners.reshape(-1, 3), 6), axis=0, return_inverse=True)
-    points = points * rng.uniform(1 - rough, 1 + rough, (len(points), 1))
-    for normal in rng.normal(size=(flats, 3)):
-        normal = normal / np.linalg.norm(normal)
-        points = points - np.maximum(points @ normal - rng.uniform(0.62, 0.85), 0)[:, None] * normal
-    corners = (points * size)[index.ravel()].reshape(-1, 3, 3)
-    return Part(corners, part.uv, material, 0.9).boxed()
-
-
 MODELS = {
     "island": island,
     "water": water,
-    "palm": lambda: palm(1),
-    "pine": lambda: pine(2),
-    "bush": lambda: bush(3),
-    "rock_round": lambda: rock(4, (0.9, 0.8, 0.65)),
-    "rock_flat": lambda: rock(5, (1.7, 1.1, 0.55)),
-    "rock_tall": lambda: rock(6, (1.4, 1.2, 2.4)),
 }

@@ -40,6 +40,15 @@ class Part:
         axes = np.array([[1, 2], [0, 2], [0, 1]])[facing]
         return replace(self, uv=np.take_along_axis(self.corners, axes[:, None, :].repeat(3, axis=1), axis=2))
 
+    def grained(self) -> "Part":
+        """With texture coordinates for wood: u runs along its longest side, v around it without a break."""
+        long, b, c = np.argsort(-np.ptp(self.corners.reshape(-1, 3), axis=0), kind="stable")
+        areas = _areas(self.corners)
+        ends = np.abs(areas[:, long]) > 0.5 * np.linalg.norm(areas, axis=1)
+        x, y, z = (self.corners[..., axis] for axis in (long, b, c))
+        around, end = np.stack([x, z - y], axis=-1), np.stack([y, z], axis=-1)
+        return replace(self, uv=np.where(ends[:, None, None], end, around))
+
 
 Model = list[Part]
 

@@ -7,16 +7,18 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from make import landscape, workshop
+from make import faces, glazing, landscape, wild, workshop
 from make.canvas import Texture, normal_map
 
 MAKERS: dict[str, Callable[[np.random.Generator], Texture]] = {
     maker.__name__: maker
     for maker in (
-        *(landscape.grass, landscape.sand, landscape.shore, landscape.path, landscape.rock, landscape.bark),
-        *(landscape.leaves, landscape.frond, landscape.clouds, landscape.horizon, landscape.stars),
+        *(landscape.grass, landscape.sand, landscape.shore, landscape.path, landscape.bark),
+        *(wild.rock, wild.needles, wild.leaves, wild.frond),
+        *(landscape.clouds, landscape.horizon, landscape.stars),
         *(workshop.wood, workshop.planks, workshop.cobbles, workshop.bricks, workshop.roof_tiles, workshop.plaster),
-        *(workshop.metal, workshop.enamel, workshop.panels, workshop.weave, workshop.fabric, workshop.test_card),
+        *(workshop.metal, workshop.enamel, workshop.panels, workshop.weave, workshop.fabric, workshop.hair),
+        *(workshop.concrete, workshop.test_card, faces.face, glazing.glass),
     )
 }
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from make.glazing import glazed
 from make.shapes import Model, Part, ball, box, lathe, prism, surface, tube
 
 AXLES = (1.45, -1.35)  # m, x of the wheels
@@ -18,7 +19,8 @@ def truck() -> Model:
     )
     roof = _along_y([(0.46, 1.78), (0.36, 1.90), (-0.38, 1.93), (-0.50, 1.82)], 1.50, "paint_cream")
     model: Model = [bonnet, cab, roof, box((4.1, 0.9, 0.22), (-0.05, 0, 0.46), "plastic")]
-    model += _glass() + _bed() + _front()
+    model += _seams() + [glazed(part, "plain") if part.material == "glass" else part for part in _glass()]
+    model += _bed() + _front()
     for x in AXLES:
         for side in (1, -1):
             model += [*_wheel(x, side), _fender(x, side)]
@@ -27,7 +29,32 @@ def truck() -> Model:
 
 def _along_y(outline: list[tuple[float, float]], width: float, material: str) -> Part:
     """An outline of (x, z), counter-clockwise seen from the right, as wide as given."""
-    return prism(np.array(outline), width, material).moved((0, width / 2, 0), roll=np.pi / 2).boxed()
+    flat, bevel = np.array(outline), 0.035
+    middle, half = (flat.max(axis=0) + flat.min(axis=0)) / 2, np.ptp(flat, axis=0) / 2
+    inset = middle + (flat - middle) * (1 - bevel / half)
+    rows = [
+        np.column_stack([ring, np.full(len(flat), y)])
+        for ring, y in ((inset, 0.0), (flat, bevel), (flat, width - bevel), (inset, width))
+    ]
+    return (
+        surface(rows, material, closed=True, caps=(True, True), crease=0.3)
+        .boxed()
+        .moved((0, width / 2, 0), roll=np.pi / 2)
+    )
+
+
+def _seams() -> Model:
+    """The gaps around doors and bonnet, and a strip of chrome along the sides."""
+    model: Model = []
+    for side in (1, -1):
+        model += [box((0.014, 0.006, 0.66), (x, side * 0.790, 0.80), "rubber") for x in (0.69, -0.49)]
+        model += [
+            box((1.18, 0.006, 0.014), (0.10, side * 0.790, 0.475), "rubber"),
+            box((1.26, 0.006, 0.014), (1.43, side * 0.760, 1.02), "rubber"),
+            box((1.24, 0.014, 0.022), (0.10, side * 0.790, 0.93), "chrome"),
+            box((1.28, 0.014, 0.022), (1.45, side * 0.760, 0.93), "chrome"),
+        ]
+    return model
 
 
 def _glass() -> Model:
@@ -75,8 +102,8 @@ def _front() -> Model:
     model += [box((0.05, 0.80, 0.025), (2.235, 0, z), "chrome") for z in (0.66, 0.74, 0.82, 0.90)]
     for side in (1, -1):
         model += [
-            ball((0.08, 0.11, 0.11), (2.20, side * 0.58, 0.82), "light_white", 10, 6),
-            box((0.04, 0.12, 0.14), (-2.33, side * 0.70, 0.66), "light_red"),
+            glazed(ball((0.08, 0.11, 0.11), (2.20, side * 0.58, 0.82), "lamp", 10, 6), "lens"),
+            glazed(box((0.04, 0.12, 0.14), (-2.33, side * 0.70, 0.66), "light_red"), "lens"),
         ]
     return [
         *model,
@@ -85,6 +112,7 @@ def _front() -> Model:
             [(0.04, 0.07)] * 4,
             "chrome",
             6,
+            along="u",
         ),
         box((0.08, 1.6, 0.12), (-2.36, 0, 0.50), "chrome", bevel=0.02),
     ]

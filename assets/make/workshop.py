@@ -10,7 +10,7 @@ def wood(rng: np.random.Generator) -> Texture:
     """Grain that runs along u: year rings, bent around a few knots, and fine pores."""
     size = 256
     down, across = pixels(size)
-    bend = 0.10 * fractal(rng, size, 2, 3, 3)
+    bend = 0.045 * fractal(rng, size, 2, 3, 3)
     for row, column, radius in ((0.30, 0.35, 0.07), (0.75, 0.80, 0.05)):
         away_down, away_across = (down - row + 0.5) % 1 - 0.5, (across - column + 0.5) % 1 - 0.5
         bend += (
@@ -24,7 +24,7 @@ def wood(rng: np.random.Generator) -> Texture:
     pores = fractal(rng, size, 8, 128, 2)
     streak = fractal(rng, size, 2, 32, 3)
     share = np.clip(0.90 - 0.50 * ring - 0.22 * pores * ring + 0.35 * (streak - 0.5), 0, 1)
-    return mix((0.40, 0.23, 0.11), (0.88, 0.64, 0.38), share), 1.0 * share + 0.3 * pores
+    return mix((0.40, 0.23, 0.11), (0.88, 0.64, 0.38), share), 0.8 * share + 0.3 * pores
 
 
 def planks(rng: np.random.Generator) -> Texture:
@@ -102,59 +102,79 @@ def plaster(rng: np.random.Generator) -> Texture:
     return mix((0.80, 0.79, 0.77), (1.0, 1.0, 0.99), np.clip(0.55 * coarse + 0.5 * fine, 0, 1)), 2 * coarse + 2 * fine
 
 
+def concrete(rng: np.random.Generator) -> Texture:
+    """A slab of a floor, its joints at the edges: stains, fine sand, a few pores; nearly white, materials tint it."""
+    size = 512
+    down, across = pixels(size)
+    edge = np.minimum(np.minimum(down, 1 - down), np.minimum(across, 1 - across))
+    joint = smoothstep(0.0012, 0.0035, edge)
+    stains, grain = fractal(rng, size, 3, octaves=6, gain=0.6), fractal(rng, size, 96, octaves=2)
+    pores = smoothstep(0.86, 0.93, fractal(rng, size, 128, octaves=1))
+    share = np.clip(0.25 + 0.40 * stains + 0.35 * grain - 0.25 * pores, 0, 1) * (0.3 + 0.7 * joint)
+    return mix((0.62, 0.62, 0.61), (1.0, 1.0, 0.99), share), 2.0 * joint + 0.9 * grain - 0.6 * pores
+
+
 def metal(rng: np.random.Generator) -> Texture:
     """Brushed along u; grey, materials tint it."""
     size = 128
-    grooves = fractal(rng, size, 2, 64, 2)
-    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), grooves), 0.9 * grooves
+    grooves = fractal(rng, size, 2, 32, 2)
+    return mix((0.84, 0.84, 0.84), (1.0, 1.0, 1.0), grooves), 0.35 * grooves
 
 
 def enamel(rng: np.random.Generator) -> Texture:
-    """Paint or plastic, as good as smooth; white, materials tint it."""
+    """Paint or plastic, as good as smooth; white, materials tint it. Its waves are seen in highlights alone."""
     size = 128
-    orange_peel = fractal(rng, size, 12, octaves=3)
-    return mix((0.95, 0.95, 0.95), (1.0, 1.0, 1.0), fractal(rng, size, 6, octaves=4)), 1.3 * orange_peel
+    waves = fractal(rng, size, 5, octaves=2)
+    return mix((0.97, 0.97, 0.97), (1.0, 1.0, 1.0), fractal(rng, size, 6, octaves=4)), 0.7 * waves
 
 
 def panels(rng: np.random.Generator) -> Texture:
-    """A moulded shell: plates with seams and rivets; nearly white, materials tint it."""
+    """A moulded shell: plates with fine seams and rivets, grained; nearly white, materials tint it."""
     size = 256
     down, across = pixels(size)
     row = np.minimum((down * 3).astype(int), 2)
     column = np.minimum(((across + 0.5 / 3 * (row % 2)) % 1 * 3).astype(int), 2)
     x, y = (across + 0.5 / 3 * (row % 2)) * 3 % 1, down * 3 % 1
     edge = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y))
-    plate = smoothstep(0.0, 0.05, edge)
+    plate = smoothstep(0.0, 0.035, edge)
     rivet = np.zeros((size, size))
     for spot_x in (0.12, 0.5, 0.88):
         for spot_y in (0.12, 0.88):
             rivet = np.maximum(rivet, smoothstep(0.035, 0.015, np.hypot(x - spot_x, y - spot_y)))
-    shade = rng.uniform(0.93, 1.0, (3, 3))[row, column]
-    colour = (0.62 + 0.38 * plate) * shade * (1 - 0.18 * rivet) * (0.97 + 0.03 * fractal(rng, size, 8, octaves=4))
-    return np.repeat(np.clip(colour, 0, 1)[..., None], 3, axis=2), 5.0 * plate + 2.5 * rivet
+    shade = rng.uniform(0.90, 1.0, (3, 3))[row, column]
+    grain = fractal(rng, size, 32, octaves=2)
+    colour = (0.70 + 0.30 * plate) * shade * (1 - 0.15 * rivet) * (0.94 + 0.06 * grain)
+    return np.repeat(np.clip(colour, 0, 1)[..., None], 3, axis=2), 2.2 * plate + 1.6 * rivet + 0.7 * grain
 
 
 def weave(rng: np.random.Generator) -> Texture:
-    """Twill of carbon fibre; nearly white, materials tint it."""
+    """Twill of carbon fibre; nearly white, materials tint it. Its relief is low: the threads are fine."""
     size, threads = 128, 8
     down, across = pixels(size)
     x, y = across * threads, down * threads
     warp = (x.astype(int) + y.astype(int)) % 4 < 2
     arch = np.where(warp, np.sin(np.pi * (x % 1)), np.sin(np.pi * (y % 1)))
-    share = np.clip(np.where(warp, 0.85, 0.45) * (0.5 + 0.5 * arch) + 0.1 * fractal(rng, size, 16, octaves=2), 0, 1)
-    return mix((0.55, 0.55, 0.55), (1.0, 1.0, 1.0), share), 2.2 * arch
+    share = np.clip(np.where(warp, 0.75, 0.50) * (0.6 + 0.4 * arch) + 0.1 * fractal(rng, size, 16, octaves=2), 0, 1)
+    return mix((0.70, 0.70, 0.70), (1.0, 1.0, 1.0), share), 0.55 * arch
 
 
 def fabric(rng: np.random.Generator) -> Texture:
-    """Plain weave; nearly white, materials tint it."""
-    size, threads = 128, 16
+    """Twill with a trace of wrinkles; nearly white, materials tint it."""
+    size, threads = 256, 32
     down, across = pixels(size)
     x, y = across * threads, down * threads
-    over = (x.astype(int) + y.astype(int)) % 2 == 0
-    warp, weft = np.sin(np.pi * (x % 1)), np.sin(np.pi * (y % 1))
-    height = np.where(over, warp, weft)
-    share = np.clip(0.25 + 0.6 * height + 0.3 * (fractal(rng, size, 16, octaves=3) - 0.5), 0, 1)
-    return mix((0.62, 0.62, 0.62), (1.0, 1.0, 1.0), share), 1.8 * height
+    rib = np.sin(np.pi * ((x + y) % 1))
+    thread = 0.5 + 0.5 * np.sin(2 * np.pi * (x - y))
+    wrinkles = fractal(rng, size, 3, 5, 3)
+    share = np.clip(0.35 + 0.30 * rib + 0.12 * thread + 0.4 * (wrinkles - 0.5), 0, 1)
+    return mix((0.74, 0.74, 0.74), (1.0, 1.0, 1.0), share), 0.30 * rib + 6.0 * wrinkles
+
+
+def hair(rng: np.random.Generator) -> Texture:
+    """Strands that run along v; nearly white, materials tint it."""
+    size = 128
+    strands = fractal(rng, size, 32, 2, 2)
+    return mix((0.55, 0.55, 0.55), (1.0, 1.0, 1.0), strands), 1.6 * strands
 
 
 def test_card(rng: np.random.Generator) -> Texture:
@@ -188,4 +208,4 @@ def test_card(rng: np.random.Generator) -> Texture:
     colour[(np.abs(x) < 0.004) & inside & (y < 0.06)] = 0.05
     lines = 0.90 + 0.10 * np.cos(2 * np.pi * 64 * down)
     vignette = 1 - 0.9 * np.clip(np.maximum(np.abs(across - 0.5), np.abs(down - 0.5)) - 0.36, 0, 1) ** 1.2
-    return colour * (lines * vignette)[..., None], None
+    return colour * (lines * vignette)[..., None], 0.25 * np.cos(2 * np.pi * 64 * down) + 0.6 * fractal(rng, size, 4)

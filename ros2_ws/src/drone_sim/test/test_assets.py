@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from PIL import Image
 
 from drone_sim import mesh
 from drone_sim.scene import Scene, load
@@ -128,6 +129,18 @@ def test_model_is_sound(name: str) -> None:
 def test_textures_exist(library: Path) -> None:
     named = [line.split()[-1] for line in library.read_text().splitlines() if line.startswith(("map_", "norm"))]
     assert [texture for texture in named if not (library.parent / texture).is_file()] == []
+
+
+@pytest.mark.parametrize("name", [name for name in MODELS if name != "water"])
+def test_what_is_solid_has_colours_and_bumps(name: str) -> None:
+    """Two maps of one size, so that they can be packed into one."""
+    for part in mesh.load((ASSETS / "models" / f"{name}.obj").resolve()).parts:
+        colours, bumps = part.material.colour_map, part.material.normal_map
+        assert colours is not None, part.material.name
+        assert bumps is not None, part.material.name
+        with Image.open(colours) as first, Image.open(bumps) as second:
+            assert first.size == second.size
+            assert max(first.size) <= 1024
 
 
 def test_scripts_make_the_same_bytes(tmp_path: Path) -> None:
