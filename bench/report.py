@@ -16,7 +16,7 @@ RESULTS = Path(__file__).with_name("results")
 @dataclass
 class Row:
     """One measurement. `ratio` is ours over the best peer, above 1 is better whatever the unit. `cpu` and `best` say
-    what it would be by CPU time, and in the best round: of ours and of the peers."""
+    what it would be by CPU time, and in the best round: of ours and of the peers. `known` says why it is missed."""
 
     work: str
     unit: str
@@ -27,6 +27,12 @@ class Row:
     ratio: float | None = None
     cpu: dict[str, float] = field(default_factory=dict)
     best: dict[str, float] = field(default_factory=dict)
+    known: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether what was asked is missed, and nobody has said why."""
+        return self.met is False and not self.known
 
 
 def machine() -> dict[str, Any]:
@@ -44,7 +50,7 @@ def report(name: str, settings: dict[str, Any], rows: list[Row]) -> None:
         table.add_column(title)
     for row in rows:
         peers = ", ".join(f"{peer} {value:.4g}" for peer, value in row.peers.items())
-        met = {None: "", True: "yes", False: "no"}[row.met]
+        met = {None: "", True: "yes", False: "known" if row.known else "no"}[row.met]
         ratio = f"{row.ratio:.2f}" if row.ratio else ""
         cpu, best = (f"{times['ours']:.4g}" if times else "" for times in (row.cpu, row.best))
         table.add_row(row.work, f"{row.ours:.4g}", cpu, best, row.unit, peers, ratio, row.asked, met)
