@@ -13,11 +13,11 @@ from PIL import Image
 
 from drone_render import context
 from drone_render.image import Picture
-from drone_render.lines import read_lines
+from drone_render.lines import read_markers
 from drone_render.renderer import Renderer
 from drone_render.view import pose
 from drone_sim.arrays import Floats
-from drone_sim.markers import markers
+from drone_sim.markers import Markers
 from drone_sim.scene import Scene, load, parse
 from drone_sim.world import World
 
@@ -51,7 +51,9 @@ def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | No
             if world is not None:
                 for name, row in zip(world.model.bodies.names, world.object_poses(), strict=True):
                     poses[renderer.hierarchy.names.index(name)] = row
-                renderer.show(read_lines(markers(world, 0)) if scene.description == "debug" else None)
+            if world is not None and scene.description == "debug":
+                shapes = read_markers(Markers(world).message(0))
+                renderer.show(shapes.placed(renderer.hierarchy.names, renderer.hierarchy.world(poses)))
             _turn_rotors(scene, poses, renderer.hierarchy.names, time)
             picture = Picture(scene.cameras["figure"].size, "figure")
             renderer.draw("figure", poses, time, picture)

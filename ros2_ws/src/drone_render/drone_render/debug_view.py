@@ -6,32 +6,44 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 from visualization_msgs.msg import MarkerArray
 
-from drone_render.lines import Lines, read_lines
+from drone_render.lines import Shapes, read_markers
+from drone_render.renderer import Renderer
+from drone_render.view import Array
 
 
 class DebugView:
-    """Answers ~/show_debug; what it hears is taken by whoever draws."""
+    """Answers ~/show_debug; what it hears is shown by whoever draws, at the poses that are drawn."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._lock = threading.Lock()
         self._on = self._changed = False
         self._data: bytes | None = None
+        self._shapes: Shapes | None = None
+        self._shown: tuple[Renderer, Array | None] | None = None  # what was last told what; no poses if nothing
         self._subscription = None
         node.create_service(SetBool, "~/show_debug", self._on_show)
 
-    def take(self) -> tuple[bool, Lines | None]:
-        """Whether anything is new since the last call, and the lines to show, None for none."""
+    def show(self, renderer: Renderer, poses: Array) -> None:
+        """Tells who draws the objects at these poses what to draw over them."""
         with self._lock:
             changed, self._changed = self._changed, False
             data = self._data if self._on else None
-        if not changed or data is None:
-            return changed, None
+        if changed:
+            self._shapes, self._shown = self._read(data), None
+        wanted = None if self._shapes is None else poses
+        if self._shown is not None and self._shown[0] is renderer and self._shown[1] is wanted:
+            return  # another camera of the same moment
+        self._shown = renderer, wanted
+        hierarchy = renderer.hierarchy
+        renderer.show(self._shapes and self._shapes.placed(hierarchy.names, hierarchy.world(poses)))
+
+    def _read(self, data: bytes | None) -> Shapes | None:
         try:
-            return True, read_lines(data)
+            return None if data is None else read_markers(data)
         except ValueError as error:
             self._node.get_logger().warning(f"debug/markers: {error}; left out", throttle_duration_sec=5.0)
-            return False, None
+            return self._shapes
 
     def _on_show(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         with self._lock:

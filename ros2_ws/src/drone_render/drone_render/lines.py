@@ -1,28 +1,85 @@
-"""Lines of a serialized visualization_msgs/MarkerArray, read without an object for every point."""
+"""Lines and balls of a serialized visualization_msgs/MarkerArray, read without an object for every point, and put where
+the things are that they hang on."""
 
-from typing import NamedTuple
+import struct
+from collections.abc import Sequence
+from typing import NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
 
+from drone_render.view import Array, matrices
 from drone_sim.cdr import ENCODING
 
-LINE_LIST = 5  # of visualization_msgs/Marker: points two by two
+BALL, LINE_LIST = 2, 5  # of visualization_msgs/Marker: an ellipsoid; points two by two
+WORLD = "world"
+METRE = 200  # pixels of a line's width: its metres are for viewers that scale it, here it is the same near and far
+WIDEST = 8  # pixels
 Floats = npt.NDArray[np.float32]
 
 
 class Lines(NamedTuple):
-    """n lines: ends (n, 2, 3) in m in the world, colours (n, 4) red, green, blue, alpha from 0 to 1."""
+    """n lines and k balls in the world, m; colours red, green, blue, alpha from 0 to 1."""
 
-    ends: Floats
-    colours: Floats
+    ends: Floats  # (n, 2, 3)
+    colours: Floats  # (n, 4)
+    widths: npt.NDArray[np.int64]  # (n,) pixels
+    centres: Floats  # (k, 3)
+    radii: Floats  # (k,)
+    ball_colours: Floats  # (k, 4)
+
+    @classmethod
+    def of(cls, ends: npt.ArrayLike, colours: npt.ArrayLike, width: int = 2) -> Self:
+        """Lines of one width, and no balls."""
+        lines, none = np.asarray(ends, np.float32), np.empty((0, 4), np.float32)
+        widths = np.full(len(lines), width, np.int64)
+        return cls(lines, np.asarray(colours, np.float32), widths, none[:, :3], none[:, 0], none)
+
+
+class Shapes(NamedTuple):
+    """n lines and k balls, each in the frame of its marker; m markers."""
+
+    frames: tuple[str, ...]  # (m,) names
+    poses: Array  # (m, 4, 4) of the markers in them
+    ends: Floats  # (n, 2, 3)
+    colours: Floats  # (n, 4)
+    widths: npt.NDArray[np.int64]  # (n,) pixels
+    marker: npt.NDArray[np.int64]  # (n,) of each line
+    balls: npt.NDArray[np.int64]  # (k,) marker of each ball
+    radii: Floats  # (k,) m
+    ball_colours: Floats  # (k, 4)
+
+    def placed(self, names: Sequence[str], world: Array) -> Lines:
+        """Where they are while the objects of these names have the matrices (o, 4, 4) in the world; what hangs on
+        something else is left out."""
+        row = {name: i for i, name in enumerate(names, 1)} | {WORLD: 0}
+        rows = np.array([row.get(frame, -1) for frame in self.frames], np.int64)
+        known = rows >= 0
+        place = (np.concatenate([np.eye(4)[None], world])[rows] @ self.poses).astype(np.float32)
+        here, there = known[self.marker], known[self.balls]
+        mine = place[self.marker[here]]
+        ends = self.ends[here] @ mine[:, :3, :3].transpose(0, 2, 1) + mine[:, None, :3, 3]
+        return Lines(ends, self.colours[here], self.widths[here], place[self.balls[there], :3, 3], self.radii[there],
+                     self.ball_colours[there])
+
+
+class Marker(NamedTuple):
+    """What is read of one."""
+
+    frame: str
+    kind: int
+    pose: tuple[float, ...]  # x y z qx qy qz qw
+    scale: tuple[float, ...]  # (3,) m
+    colour: tuple[float, ...]  # (4,)
+    points: npt.NDArray[np.float64]  # (p, 3)
+    colours: Floats  # (p, 4), or (0, 4) where all have the marker's
 
 
 class _Reader:
     """Walks through CDR; offsets count from behind the four bytes of the encoding."""
 
     def __init__(self, data: bytes) -> None:
-        self._body, self._at = data[4:], 0
+        self._body, self._at = data[len(ENCODING) :], 0
 
     def skip(self, size: int, count: int = 1) -> int:
         """Passes numbers of a size; returns where they begin."""
@@ -33,7 +90,12 @@ class _Reader:
         return first
 
     def uint32(self) -> int:
-        return int.from_bytes(self._body[self.skip(4) : self._at], "little")
+        at = self.skip(4)
+        return int.from_bytes(self._body[at : at + 4], "little")
+
+    def numbers(self, kind: str, count: int) -> tuple[float, ...]:
+        at = self.skip(struct.calcsize(kind), count)
+        return struct.unpack_from(f"<{count}{kind}", self._body, at)
 
     def floats(self, kind: str, count: int) -> npt.NDArray[np.floating]:
         size = int(kind[-1])
@@ -41,35 +103,49 @@ class _Reader:
             return np.empty(0, kind)
         return np.frombuffer(self._body, kind, count, self.skip(size, count))
 
-    def text(self) -> None:
-        self.skip(1, self.uint32())
+    def text(self) -> str:
+        size = self.uint32()
+        at = self.skip(1, size)
+        return self._body[at : at + max(size - 1, 0)].decode(errors="replace")
 
 
-def read_lines(data: bytes) -> Lines:
-    """All lists of lines in the message, in the world's frame. Raises ValueError for other bytes."""
-    if data[:4] != ENCODING:
+def read_markers(data: bytes) -> Shapes:
+    """All lists of lines and all balls in the message. Raises ValueError for other bytes."""
+    if data[: len(ENCODING)] != ENCODING:
         raise ValueError("not a little-endian CDR message")
     reader = _Reader(data)
-    ends, colours = [np.empty((0, 2, 3), np.float32)], [np.empty((0, 4), np.float32)]
-    for _ in range(reader.uint32()):
-        kind, points, shades = _marker(reader)
-        if kind == LINE_LIST and len(points) and len(points) == len(shades):
-            pairs = len(points) // 2
-            ends.append(points[: 2 * pairs].reshape(pairs, 2, 3).astype(np.float32))
-            colours.append(shades[: 2 * pairs : 2].astype(np.float32))
-    return Lines(np.vstack(ends), np.vstack(colours))
+    markers = [_marker(reader) for _ in range(reader.uint32())]
+    lined = [i for i, m in enumerate(markers) if m.kind == LINE_LIST and len(m.colours) in (0, len(m.points))]
+    balls = [i for i, m in enumerate(markers) if m.kind == BALL]
+    counts = [len(markers[i].points) // 2 for i in lined]
+    ends = [markers[i].points[: 2 * count].reshape(-1, 2, 3) for i, count in zip(lined, counts, strict=True)]
+    shades = [np.asarray(m.colours[: 2 * count : 2]) if len(m.colours) else np.tile(np.float32(m.colour), (count, 1))
+              for m, count in zip((markers[i] for i in lined), counts, strict=True)]
+    widths = [min(max(round(METRE * markers[i].scale[0]), 1), WIDEST) for i in lined]
+    return Shapes(
+        tuple(marker.frame for marker in markers),
+        matrices(np.array([marker.pose for marker in markers]).reshape(-1, 7)),
+        np.concatenate([np.empty((0, 2, 3)), *ends]).astype(np.float32),
+        np.concatenate([np.empty((0, 4)), *shades]).astype(np.float32),
+        np.repeat(np.array(widths, np.int64), counts),
+        np.repeat(np.array(lined, np.int64), counts),
+        np.array(balls, np.int64),
+        np.array([markers[i].scale[0] / 2 for i in balls], np.float32),
+        np.array([markers[i].colour for i in balls], np.float32).reshape(-1, 4),
+    )  # fmt: skip
 
 
-def _marker(reader: _Reader) -> tuple[int, npt.NDArray[np.floating], npt.NDArray[np.floating]]:
-    """Type, points (n, 3) and colours (n, 4) of the next marker."""
+def _marker(reader: _Reader) -> Marker:
+    """The next one."""
     reader.skip(4, 2)  # stamp
-    reader.text()  # frame
+    frame = reader.text()
     reader.text()  # namespace
     reader.skip(4)  # id
     kind = reader.uint32()
     reader.skip(4)  # action
-    reader.skip(8, 10)  # pose, scale
-    reader.skip(4, 6)  # colour, lifetime
+    row = reader.numbers("d", 10)
+    colour = reader.numbers("f", 4)
+    reader.skip(4, 2)  # lifetime
     reader.skip(1)  # frame locked
     count = reader.uint32()
     points = reader.floats("<f8", 3 * count).reshape(-1, 3)
@@ -87,4 +163,4 @@ def _marker(reader: _Reader) -> tuple[int, npt.NDArray[np.floating], npt.NDArray
     reader.text()
     reader.skip(1, reader.uint32())
     reader.skip(1)
-    return kind, points, colours
+    return Marker(frame, kind, row[:7], row[7:], colour, points, colours)

@@ -4,12 +4,17 @@ import moderngl
 import numpy as np
 
 from drone_render.context import Device, write
-from drone_render.lines import Lines
+from drone_render.lines import Floats, Lines
 from drone_render.shaders import Variant
 from drone_render.view import Array
 
-WIDTH = 2  # pixels
 HIDDEN = 0.25  # of a line's opacity that is left behind things
+BOLD = 4  # pixels from which on a line has a dark rim, and is seen through things
+RIM, DARK = 3, 0.7  # pixels that a rim is wider by, and its opacity
+SEEN = 0.6  # of a bold line's opacity that is left behind things
+OUTLINE = 2  # pixels, the width of a ball's outline
+_ANGLE = 2 * np.pi * (np.arange(48)[:, None] + [0, 1]) / 48
+CIRCLE = np.stack([np.cos(_ANGLE), np.sin(_ANGLE)], axis=-1)  # (lines, ends, 2)
 
 
 class LinePass:
@@ -17,15 +22,74 @@ class LinePass:
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        self._program = device.program(Variant.of("lines", WIDTH=WIDTH))
-        self._buffer: moderngl.Buffer | None = None
-        self._array: moderngl.VertexArray | None = None
-        self._count = 0
+        self._strokes: dict[tuple[int, bool], _Stroke] = {}  # by width, and whether they are rims
+        self._outlines = _Stroke(device, OUTLINE)
+        self._balls: tuple[Floats, Floats, Floats] | None = None
 
     def show(self, lines: Lines) -> None:
-        """Takes the lines to draw from now on."""
-        rows = np.hstack([lines.ends.reshape(-1, 6), lines.colours]).astype(np.float32)
-        self._count = len(rows)
+        """Takes what to draw from now on."""
+        self._balls = lines.centres, lines.radii, lines.ball_colours
+        for stroke in self._strokes.values():
+            stroke.count = 0
+        for width in np.unique(lines.widths).tolist():
+            chosen = lines.widths == width
+            ends, colours = lines.ends[chosen], lines.colours[chosen]
+            self._stroke(width, False).fill(ends, colours)
+            if width >= BOLD:
+                self._stroke(width, True).fill(ends, colours * np.float32((0.0, 0.0, 0.0, DARK)))
+
+    def _stroke(self, width: int, rim: bool) -> "_Stroke":
+        if (width, rim) not in self._strokes:
+            self._strokes[width, rim] = _Stroke(self._device, width + RIM if rim else width)
+        return self._strokes[width, rim]
+
+    def draw(self, view_projection: Array, size: tuple[int, int], near: float) -> None:
+        """Draws them, the bold ones last; of what is not bold first all that is hidden."""
+        if self._balls is None:
+            return
+        eye = np.linalg.inv(view_projection)[:, 2]  # the only point that is projected to no place at all
+        centres, radii, colours = self._balls
+        seen, ends = outlines(centres, radii, eye[:3] / eye[3])
+        self._outlines.fill(ends, np.repeat(colours[seen] ** (1.0, 1.0, 1.0, 0.5), len(CIRCLE), axis=0))
+        gl = self._device.context
+        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        # Marks of edges, in alpha, stay as they are.
+        gl.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
+        gl.fbo.depth_mask = False
+        matrix = view_projection.T.astype(np.float32)
+        bold = [stroke for (width, _), stroke in sorted(self._strokes.items(), key=_order) if width >= BOLD]
+        plain = [self._outlines, *(stroke for (width, _), stroke in sorted(self._strokes.items()) if width < BOLD)]
+        for strokes, hidden in ((plain, HIDDEN), (bold, SEEN)):
+            for test, share in ((">", hidden), ("<=", 1.0)):
+                gl.depth_func = test
+                for stroke in strokes:
+                    stroke.draw(matrix, size, near, share)
+        gl.depth_func = "<="
+        gl.fbo.depth_mask = True
+
+
+def _order(item: tuple[tuple[int, bool], "_Stroke"]) -> tuple[int, bool]:
+    """Thin ones first, and rims before what they are of."""
+    (width, rim), _ = item
+    return width, not rim
+
+
+class _Stroke:
+    """Lines of one width in pixels."""
+
+    def __init__(self, device: Device, width: int) -> None:
+        self._device = device
+        self._program = device.program(Variant.of("lines", WIDTH=width))
+        self._buffer: moderngl.Buffer | None = None
+        self._array: moderngl.VertexArray | None = None
+        self.count = 0
+
+    def fill(self, ends: Floats, colours: Floats) -> None:
+        """Takes the lines: ends (n, 2, 3), colours (n, 4)."""
+        rows = np.hstack([ends.reshape(-1, 6), colours]).astype(np.float32)
+        self.count = len(rows)
+        if not self.count:
+            return
         if self._buffer is None or self._buffer.size < rows.nbytes:
             # The old one is given back with the device: buffers only ever grow.
             self._buffer = self._device.buffer(np.zeros(max(2 * rows.nbytes, 4096), np.uint8))
@@ -33,19 +97,27 @@ class LinePass:
             self._array = self._device.instances(self._program, attributes)
         self._buffer.write(rows.tobytes())
 
-    def draw(self, view_projection: Array, size: tuple[int, int], near: float) -> None:
-        """Draws them: first what is hidden, then what is not."""
-        if self._array is None or not self._count:
+    def draw(self, matrix: Floats, size: tuple[int, int], near: float, share: float) -> None:
+        """Draws them with a share of their opacity; matrix: to the picture, its columns one after the other."""
+        if self._array is None or not self.count:
             return
-        gl = self._device.context
-        write(self._program, view_projection=view_projection.T, size=size, near=near)
-        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        # Marks of edges, in alpha, stay as they are.
-        gl.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
-        gl.fbo.depth_mask = False
-        for test, share in ((">", HIDDEN), ("<=", 1.0)):
-            gl.depth_func = test
-            write(self._program, share=share)
-            self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
-        gl.depth_func = "<="
-        gl.fbo.depth_mask = True
+        write(self._program, view_projection=matrix, size=size, near=near, share=share)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self.count)
+
+
+def outlines(centres: Floats, radii: Floats, eye: Array) -> tuple[Array, Array]:
+    """Which balls (k,) have an outline, the eye not being within; and the lines' ends (n, 2, 3) of the circles, at which
+    the rays from the eye touch them."""
+    way = eye - centres.astype(np.float64)
+    square = np.einsum("ki,ki->k", way, way)
+    seen = np.flatnonzero(square > np.square(radii))
+    way, square, radius = way[seen], square[seen], radii[seen].astype(np.float64)
+    share = np.square(radius) / square
+    middle = centres[seen] + share[:, None] * way
+    other = np.where(np.abs(way[:, 2:]) < 0.9 * np.sqrt(square)[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    first = np.cross(way, other)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.cross(way, first) / np.sqrt(square)[:, None]
+    across = np.stack([first, second], axis=1) * (radius * np.sqrt(1 - share))[:, None, None]
+    ends = middle[:, None, None] + np.einsum("lec,kci->klei", CIRCLE, across)
+    return seen, ends.reshape(-1, 2, 3)

@@ -240,9 +240,6 @@ class RenderNode(Node):
         self._tf_static.publish(rigid_transforms(cameras))
 
     def _draw(self, due: Due) -> None:
-        changed, lines = self._debug.take()
-        if changed and self._renderer is not None:
-            self._renderer.show(lines)
         poses = due.moment.poses()
         for name, shutter in self._shutters.items():
             filmed = due.film and name == self._selected
@@ -258,6 +255,7 @@ class RenderNode(Node):
         """Draws one picture and, if it is live, publishes it."""
         assert self._renderer is not None
         start = time.perf_counter()
+        self._debug.show(self._renderer, poses)
         place = self._renderer.draw(name, poses, stamp / SECOND, shutter.picture)
         shutter.seconds += time.perf_counter() - start
         shutter.drawn += 1

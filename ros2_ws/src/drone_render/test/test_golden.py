@@ -98,7 +98,7 @@ def test_levels_of_detail_look_as_before(make_scene: Make, graphics: moderngl.Co
 def test_the_debug_view_looks_as_before(make_scene: Make, graphics: moderngl.Context) -> None:
     corners = np.array([(x, y, z) for x in (2.5, 3.5) for y in (0.2, 1.2) for z in (-0.3, 0.7)], np.float32)
     ends = np.array([(a, b) for a in corners for b in corners if 0.9 < np.linalg.norm(a - b) < 1.1], np.float32)
-    lines = Lines(ends, np.tile([0.2, 0.8, 0.3, 1.0], (len(ends), 1)).astype(np.float32))
+    lines = Lines.of(ends, np.tile([0.2, 0.8, 0.3, 1.0], (len(ends), 1)))
     picture = Picture((160, 120), "front")
     with Renderer(make_scene(FEATURES["antialiasing"]), graphics) as renderer:
         renderer.show(lines)

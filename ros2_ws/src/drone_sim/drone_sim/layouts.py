@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.cdr import ENCODING, Layout, Message
+from drone_sim.cdr import ENCODING, SECOND, Layout, Message
 
 
 def clock() -> Message:
@@ -44,29 +44,39 @@ def joint_state(names: Sequence[str]) -> Message:
     return layout.uint32(0).float64("effort", 0).message()
 
 
-LINE_LIST = 5  # of visualization_msgs/Marker: points two by two
+BALL, LINE_LIST = 2, 5  # types of visualization_msgs/Marker: an ellipsoid; points two by two
+LIFETIME = 500_000_000  # ns, after which a marker that nobody tells any more is gone
+# What follows a marker's colour, which ends at a multiple of 8: lifetime, locked to its frame, the number of points.
+_MIDDLE = struct.Struct("<IIBxxxI")
+# And what follows its points: no colours of their own, texture, words or mesh. The next marker starts at a multiple of
+# 4 that is none of 8, as the first one does.
+_TAIL = bytes(Layout().uint32(0).string("").header("").string("").uint32(0).uint32(0).string("").string("").string("")
+              .uint32(0).uint8(0).message())[len(ENCODING) :]
+_PADDED = _TAIL + bytes((4 - len(_TAIL)) % 8)
 
 
-def line_markers(frame: str, lines: Iterable[tuple[str, int]]) -> Message:
-    """visualization_msgs/MarkerArray with one marker of lines for each (name, number of end points).
+class Mark:
+    """A visualization_msgs/Marker of one colour; colour and points may be others in each message.
 
-    '<name>/points': (1, 3 n) m in the frame; '<name>/colours': (1, 4 n) red, green, blue, alpha, from 0 to 1.
+    pose: x y z qx qy qz qw in the frame. scale: (3,) m, of lines their width, of balls their diameters.
     """
-    lines = list(lines)
-    layout = Layout().uint32(len(lines))
-    for name, count in lines:
-        layout.header(frame).string(name).uint32(0).uint32(LINE_LIST).uint32(0)  # id, type, action: add
-        layout.float64("identity", 7).float64("width", 3).float32("colour", 4).uint32(0).uint32(0).uint8(0)
-        layout.uint32(count).float64(f"{name}/points", 3 * count)
-        layout.uint32(count).float32(f"{name}/colours", 4 * count)
-        layout.string("").header("").string("").uint32(0).uint32(0)  # no texture, no uv coordinates
-        layout.string("").string("").string("").uint32(0).uint8(0)  # no text, no mesh
-    message = layout.message()
-    if lines:
-        message.write("identity", (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
-        message.write("width", (0.01, 0.0, 0.0))
-        message.write("colour", 1.0)
-    return message
+
+    def __init__(self, frame: str, name: str, number: int, kind: int, pose: Floats, scale: Sequence[float]) -> None:
+        layout = Layout().uint32(0).header(frame).string(name).uint32(number).uint32(kind).uint32(0)  # action: add
+        message = layout.float64("pose", 7).float64("scale", 3).message()
+        message.write("pose", pose)
+        message.write("scale", scale)
+        self.head = bytes(message)[len(ENCODING) + 12 :]
+        """From behind the stamp up to the colour."""
+
+
+def marker_array(time_ns: int, marks: Iterable[tuple[Mark, bytes, bytes]]) -> bytes:
+    """visualization_msgs/MarkerArray. Of each mark: red, green, blue, alpha as float32; points x y z as float64."""
+    stamp, life = struct.pack("<II", *divmod(time_ns, SECOND)), divmod(LIFETIME, SECOND)
+    parts = [part for mark, colour, points in marks
+             for part in (stamp, mark.head, colour, _MIDDLE.pack(*life, 1, len(points) // 24), points, _PADDED)]
+    body = b"".join(parts)
+    return ENCODING + struct.pack("<I", len(parts) // 6) + body[: len(body) - len(_PADDED) + len(_TAIL)]
 
 
 class CollisionEvents:

@@ -1,120 +1,170 @@
-"""What the collision detection sees, as lines for RViz, Foxglove and the picture: balls, boxes, octrees, contacts.
+"""What the collision detection sees, for RViz, Foxglove and the picture: balls, boxes, octrees, sectors, contacts.
 
-Each kind is a marker of its own. What touches something is red; the rest has the colour of its collision level.
+A marker stands in the frame of its body, so that it is where the body is, however seldom it is told. A body has the
+colour of its level, and is red while it touches another thing; what merely stands on something static is not.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 
-from drone_sim import layouts
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision.detection import Detection
 from drone_sim.collision.octree import Octree
+from drone_sim.layouts import BALL, LINE_LIST, Mark, marker_array
 from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE, UNSAID
 from drone_sim.world import World
 
-LEVELS = {SPHERE: (0.2, 0.7, 1.0, 1.0), OBB: (0.2, 0.8, 0.3, 1.0), OCTREE: (0.8, 0.4, 1.0, 1.0),
-          TRIANGLE: (0.9, 0.9, 0.9, 1.0)}
-TOUCHING = (1.0, 0.2, 0.1, 1.0)
-SECTOR, CONTACT = (0.3, 0.5, 1.0, 0.4), (1.0, 0.9, 0.1, 1.0)
-NORMAL_LENGTH = 0.3  # m
-DEPTH = 3  # of the octrees: what is deeper is not shown
+LEVELS = {SPHERE: (0.15, 0.65, 1.0), OBB: (0.2, 0.85, 0.3), OCTREE: (0.75, 0.35, 1.0), TRIANGLE: (0.95, 0.95, 0.95)}
+TOUCHING = (1.0, 0.12, 0.08)
+SECTOR, CONTACT = (0.25, 0.35, 1.0, 0.5), (1.0, 0.85, 0.0, 1.0)
+FAINT, BALL_OPACITY = 0.5, 0.12  # opacity of octrees and of what never moves; of bounding spheres
+THIN, PLAIN, BOLD = 0.005, 0.01, 0.02  # m, widths of lines
+CARRIES = 0.7  # upward part of the normal from which on a contact with something static is standing on it
+DEPTH, DEEPEST = 3, 6  # of the octrees: what is deeper is not shown
 
 CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 EDGES = np.array([(i, j) for i in range(8) for j in range(i + 1, 8) if abs(CORNERS[i] - CORNERS[j]).sum() == 2]).ravel()
-_ANGLE = 2 * np.pi * (np.arange(32)[:, None] + [0, 1]).ravel() / 32
-CIRCLES = np.vstack([np.roll(np.column_stack([np.cos(_ANGLE), np.sin(_ANGLE), 0 * _ANGLE]), turn, axis=1)
-                     for turn in range(3)])
+HERE = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])  # the pose of what needs none
+LENGTH, HEAD, DISC = 0.3, 0.08, 0.05  # m, of an arrow, of its head, and the radius of the disc that it stands on
 
 
-def markers(world: World, time_ns: int) -> bytes:
-    """A serialized visualization_msgs/MarkerArray of the last step, in the world frame."""
-    bodies, detection = world.model.bodies, world.detection
-    touching = np.zeros(bodies.count, bool)
-    touching[[body for event in world.events if event.phase != event.phase.END for body in (event.a, event.b)]] = True
-    colours = _colours(detection, touching)
-    balls = np.flatnonzero(bodies.solid & (_levels(detection) == SPHERE))
-    boxes = np.flatnonzero(bodies.solid & (_levels(detection) != SPHERE))
-    near = np.flatnonzero(bodies.solid & (bodies.movable | touching))
-    position = world.state.position_w
-    lines = {
-        "boxes": (_wire(position[boxes], detection.axes[boxes], bodies.half[boxes]),
-                  np.repeat(colours[boxes], len(EDGES), axis=0)),
-        "spheres": _balls(position[balls], np.linalg.norm(bodies.half[balls], axis=1), colours[balls]),
-        "octrees": _octrees(detection, near, position, colours),
-        "sectors": _sectors(detection),
-        "contacts": _contacts(detection),
-    }
-    message = layouts.line_markers("world", ((name, len(points)) for name, (points, _) in lines.items()))
-    message.stamp(time_ns)
-    for name, (points, shades) in lines.items():
-        if len(points):
-            message.write(f"{name}/points", points.ravel())
-            message.write(f"{name}/colours", shades.ravel())
-    return bytes(message)
+def _arrow() -> Floats:
+    """Ends (2 k, 3) of the lines of an arrow along z, with a disc where it starts."""
+    angle = 2 * np.pi * (np.arange(8)[:, None] + [0, 1]).ravel() / 8
+    disc = DISC * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    wings = [end for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
+             for end in ((0, 0, LENGTH), (0.45 * HEAD * x, 0.45 * HEAD * y, LENGTH - HEAD))]
+    return np.vstack([disc, [(0, 0, 0), (0, 0, LENGTH)], wings])
 
 
-def _levels(detection: Detection) -> Integers:
-    """The level that each body asks for, (n,)."""
-    default, own, _, _ = detection.levels.tables()
-    return np.where(own[:, 0] == UNSAID, default[0], own[:, 0])
+ARROW = _arrow()
 
 
-def _colours(detection: Detection, touching: Booleans) -> Floats:
-    """Of each body, (n, 4)."""
-    table = np.array([LEVELS.get(level, LEVELS[OBB]) for level in range(max(LEVELS) + 1)])
-    return np.where(touching[:, None], TOUCHING, table[np.clip(_levels(detection), 0, max(LEVELS))])
+class Markers:
+    """Marks of one world, of which all that does not change is laid out once. SI units."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        bodies = world.model.bodies
+        self._bodies: Integers = np.flatnonzero(bodies.solid)
+        poses = np.tile(HERE, (bodies.count, 1))
+        poses[:, :3] = bodies.centre_b
+        self._poses = poses
+        half = bodies.half[self._bodies]
+        corners = CORNERS[EDGES] * half[:, None]
+        self._corners = [points.tobytes() for points in corners]
+        self._boxes = [self._mark("boxes", i, PLAIN if bodies.movable[i] else THIN) for i in self._bodies]
+        self._balls = [Mark(bodies.names[i], "spheres", i, BALL, poses[i], (2.0 * float(np.linalg.norm(bodies.half[i])),) * 3)
+                       for i in self._bodies]
+        self._trees: dict[int, tuple[Mark, bytes]] = {}
+        self._grown: tuple[int, Octree] | None = None  # depth and octrees that these are of
+        self._sectors = Mark("world", "sectors", 0, LINE_LIST, HERE, (THIN, 0.0, 0.0))
+        self._contacts: dict[int, Mark] = {}
+
+    def _mark(self, name: str, body: int, width: float) -> Mark:
+        names = self._world.model.bodies.names
+        return Mark(names[body], name, body, LINE_LIST, self._poses[body], (width, 0.0, 0.0))
+
+    def message(self, time_ns: int, depth: int = DEPTH) -> bytes:
+        """A serialized visualization_msgs/MarkerArray of the last step; depth: of the octrees, 0 for their roots."""
+        return marker_array(time_ns, self._marks(depth))
+
+    def _marks(self, depth: int) -> Iterator[tuple[Mark, bytes, bytes]]:
+        world, movable = self._world, self._world.model.bodies.movable
+        contacts = world.contacts
+        normal, pair = contacts.normal[contacts.manifold], contacts.pair[contacts.manifold]
+        fixed = ~movable[pair]
+        touching = np.zeros(len(movable), bool)
+        touching[pair[~stands(normal, fixed)]] = True
+        level = self._levels()
+        shades = self._shades(level, touching)
+        opaque = np.column_stack([shades, np.where(movable | touching, 1.0, FAINT)]).astype(np.float32)
+        for row, body in enumerate(self._bodies.tolist()):
+            yield self._boxes[row], opaque[body].tobytes(), self._corners[row]
+        own = (level == SPHERE)[:, None]
+        round_ = np.column_stack([np.where(own, shades, LEVELS[SPHERE]), np.where(own[:, 0], 3 * BALL_OPACITY, BALL_OPACITY)])
+        round_ = round_.astype(np.float32)
+        for row, body in enumerate(self._bodies.tolist()):
+            if movable[body] or own[body]:
+                yield self._balls[row], round_[body].tobytes(), b""
+        if world.detection.forest is not None:
+            faint = np.column_stack([shades, np.full(len(shades), FAINT)]).astype(np.float32)
+            for body in self._bodies[(movable | touching)[self._bodies]].tolist():
+                if tree := self._tree(body, depth):
+                    yield tree[0], faint[body].tobytes(), tree[1]
+        yield self._sectors, np.array(SECTOR, np.float32).tobytes(), self._sector_lines().tobytes()
+        yield from self._arrows(pair, normal, fixed, contacts.arm)
+
+    def _levels(self) -> Integers:
+        """The level that each body asks for, (n,)."""
+        default, own, _, _ = self._world.detection.levels.tables()
+        return np.where(own[:, 0] == UNSAID, default[0], own[:, 0])
+
+    @staticmethod
+    def _shades(level: Integers, touching: Booleans) -> Floats:
+        """Red, green, blue of each body, (n, 3)."""
+        table = np.array([LEVELS[level] for level in range(max(LEVELS) + 1)])
+        return np.where(touching[:, None], TOUCHING, table[np.clip(level, 0, max(LEVELS))])
+
+    def _tree(self, body: int, depth: int) -> tuple[Mark, bytes] | None:
+        """The nodes at the depth, and the leaves above it, of a body that has an octree."""
+        forest = self._world.detection.forest
+        if forest is None or forest[1][body] < 0:
+            return None
+        tree, roots = forest
+        if self._grown is None or self._grown[0] != depth or self._grown[1] is not tree:
+            self._trees, self._grown = {}, (depth, tree)
+        if body not in self._trees:
+            box = tree.box[_nodes(tree, int(roots[body]), depth)]
+            points = box[:, None, :3] + CORNERS[EDGES] * box[:, None, 3:]
+            self._trees[body] = self._mark("octrees", body, THIN), points.tobytes()
+        return self._trees[body]
+
+    def _sector_lines(self) -> Floats:
+        """The sectors of the broad phase in which something stands that moves."""
+        corner, edge = self._world.detection.sectors()
+        return np.asarray(corner[:, None] + (CORNERS[EDGES] + 1) * edge[:, None, None] / 2)
+
+    def _arrows(self, pair: Integers, normal: Floats, fixed: Booleans, arm: Floats) -> Iterator[tuple[Mark, bytes, bytes]]:
+        """Where bodies touch: an arrow along the normal, into the second of two that move, or the only one; in the frame
+        of the first of them that moves."""
+        side = fixed[:, 0].astype(int)
+        rows = np.arange(len(side))
+        body = pair[rows, side]
+        axes = self._world.detection.axes[body]  # as the step started, as are the arms
+        ahead = np.where(fixed[:, 1], -1.0, 1.0)[:, None] * normal
+        middle = np.einsum("kij,kj->ki", axes, arm[rows, side])
+        along = np.einsum("kij,kj->ki", axes, ahead)
+        points = middle[:, None] + np.einsum("pj,kji->kpi", ARROW, _frames(along))
+        order = np.argsort(body, kind="stable")
+        bodies, first = np.unique(body[order], return_index=True)
+        colour = np.array(CONTACT, np.float32).tobytes()
+        for i, group in zip(bodies.tolist(), np.split(points[order], first[1:]), strict=False):
+            if i not in self._contacts:
+                self._contacts[i] = self._mark("contacts", i, BOLD)
+            yield self._contacts[i], colour, group.tobytes()
 
 
-def _balls(centre: Floats, radius: Floats, colours: Floats) -> tuple[Floats, Floats]:
-    """Three great circles of each of n balls."""
-    points = centre[:, None] + CIRCLES * radius[:, None, None]
-    return points.reshape(-1, 3), np.repeat(colours, len(CIRCLES), axis=0)
+def stands(normal: Floats, fixed: Booleans) -> Booleans:
+    """Which contacts (k,) are of something that stands on something static. normal: (k, 3); fixed: (k, 2) of a and b."""
+    up = normal[:, 2]
+    return np.asarray((fixed[:, 0] & (up > CARRIES)) | (fixed[:, 1] & (up < -CARRIES)))
 
 
-def _octrees(detection: Detection, bodies: Integers, position: Floats, colours: Floats) -> tuple[Floats, Floats]:
-    """The nodes at DEPTH, and the leaves above it, of bodies that have octrees."""
-    lines, shades = [np.empty((0, 3))], [np.empty((0, 4))]
-    if detection.forest is not None:
-        tree, roots = detection.forest
-        for body in bodies[roots[bodies] >= 0]:
-            box = tree.box[_nodes(tree, int(roots[body]))]
-            axes = detection.axes[body]
-            many = np.broadcast_to(axes, (len(box), 3, 3))
-            lines.append(_wire(position[body] + box[:, :3] @ axes, many, box[:, 3:]))
-            shades.append(np.tile(colours[body] * (1.0, 1.0, 1.0, 0.5), (len(lines[-1]), 1)))
-    return np.vstack(lines), np.vstack(shades)
+def _frames(along: Floats) -> Floats:
+    """Right-handed axes (k, 3, 3), one a row, the third of which is `along`, (k, 3)."""
+    other = np.where(np.abs(along[:, :1]) < 0.7, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    first = np.cross(along, other)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(along, first), along], axis=1)
 
 
-def _nodes(tree: Octree, root: int) -> list[int]:
+def _nodes(tree: Octree, root: int, depth: int) -> list[int]:
     nodes = [root]
-    for _ in range(DEPTH):
+    for _ in range(depth):
         below: list[int] = []
         for node in nodes:
             first, children = tree.link[node, :2]
             below += range(first, first + children) if children else [node]
         nodes = below
     return nodes
-
-
-def _wire(centre: Floats, axes: Floats, half: Floats) -> Floats:
-    """Ends (24 n, 3) of the edges of n boxes; axes (n, 3, 3), one a row."""
-    corners = centre[:, None] + (CORNERS * half[:, None]) @ axes
-    return np.asarray(corners[:, EDGES].reshape(-1, 3))
-
-
-def _sectors(detection: Detection) -> tuple[Floats, Floats]:
-    """The sectors of the broad phase in which something stands that moves."""
-    corner, edge = detection.sectors()
-    half = np.repeat(edge[:, None] / 2, 3, axis=1)
-    points = _wire(corner + half, np.broadcast_to(np.eye(3), (len(corner), 3, 3)), half)
-    return points, np.tile(SECTOR, (len(points), 1))
-
-
-def _contacts(detection: Detection) -> tuple[Floats, Floats]:
-    """Each contact point, with the normal from it."""
-    found = detection.manifolds
-    held = np.arange(found.point_w.shape[1]) < found.points[: found.count, None]
-    start = found.point_w[: found.count][held]
-    normal = np.repeat(found.normal_w[: found.count], found.points[: found.count], axis=0)
-    points = np.stack([start, start + NORMAL_LENGTH * normal], axis=1).reshape(-1, 3)
-    return points, np.tile(CONTACT, (len(points), 1))

@@ -16,7 +16,17 @@ import numpy as np
 from drone_sim import effects, flight, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
-from drone_sim.collision.events import Event, Events, Meetings, Touching, as_events
+from drone_sim.collision.events import (
+    Contacts,
+    Event,
+    Events,
+    Meetings,
+    Touching,
+    all_touches,
+    as_events,
+    contacts,
+    joined,
+)
 from drone_sim.dynamics.motion import Motion
 from drone_sim.dynamics.sleep import Sleep
 from drone_sim.flight import pilot, rotors
@@ -240,6 +250,20 @@ class World:
     def meetings(self) -> Meetings:
         """The events as arrays, which costs a tenth."""
         return self._events.current
+
+    @property
+    def contacts(self) -> Contacts:
+        """Where bodies touch, those asleep as well."""
+        m = self.detection.manifolds
+        count, touch = m.count, np.empty((m.count, 5))
+        all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
+        asleep = self.sleep.contacts if self.sleep else None
+        if asleep is not None:  # those that fell asleep in this step are in both
+            sleeping = self.model.bodies.movable & ~self.state.is_awake
+            touch[sleeping[m.pair[:count]].any(axis=1), 3:] = -np.inf
+        now = contacts(m.pair[:count], m.points[:count], m.normal_w[:count], m.anchor_w[:count], m.separation[:count],
+                       touch)
+        return now if asleep is None else joined(now, asleep)
 
     def object_poses(self) -> Floats:
         """Poses (n, 7) of the bodies' objects in the world: x y z qx qy qz qw."""

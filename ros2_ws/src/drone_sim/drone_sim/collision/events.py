@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drone_sim.arrays import Floats, Integers
-from drone_sim.collision.manifold import Manifolds, touches
+from drone_sim.collision.manifold import POINTS, Manifolds, touches
 from drone_sim.kernel import kernel
+
+NEAR = 1e-3  # m; points of a manifold that are told as touching when its deepest does
 
 Vector = tuple[float, float, float]
 
@@ -43,6 +45,15 @@ class Touching(NamedTuple):
     touch: Floats  # (k, 5) deepest point, depth, impulse
 
 
+class Contacts(NamedTuple):
+    """k points at which bodies touch, and m manifolds that they are of."""
+
+    pair: Integers  # (m, 2) a < b
+    normal: Floats  # (m, 3) from a to b, world
+    manifold: Integers  # (k,)
+    arm: Floats  # (k, 2, 3) m from the centres of a and b, world, as the step started
+
+
 class Meetings(NamedTuple):
     """Events as arrays: those of the pairs that touch, then those of the pairs that no longer do."""
 
@@ -69,6 +80,23 @@ def touching(pair: Integers, level: Integers, normal: Floats, touch: Floats) -> 
         chosen[:, 4] = np.add.reduceat(touch[rows, 4], first)
     chosen[:, 3] = np.maximum(chosen[:, 3], 0.0)
     return Touching(key[first], level[rows[first]], normal[rows[first]], chosen)
+
+
+def contacts(pair: Integers, points: Integers, normal: Floats, anchor: Floats, separation: Floats,
+             touch: Floats) -> Contacts:
+    """The points of the manifolds that touch: the deepest one, and what is as deep within NEAR."""
+    rows = np.flatnonzero((touch[:, 3] >= 0.0) | (touch[:, 4] > 0.0))
+    deepest = np.maximum(-touch[rows, 3], 0.0)
+    held = np.arange(POINTS) < points[rows, None]
+    held[held] = (separation[rows] <= deepest[:, None] + NEAR)[held]
+    return Contacts(pair[rows], normal[rows], np.nonzero(held)[0], anchor[rows][held])
+
+
+def joined(one: Contacts, other: Contacts) -> Contacts:
+    """Those of both."""
+    manifold = np.concatenate([one.manifold, other.manifold + len(one.pair)])
+    return Contacts(np.concatenate([one.pair, other.pair]), np.concatenate([one.normal, other.normal]), manifold,
+                    np.concatenate([one.arm, other.arm]))
 
 
 class Events:

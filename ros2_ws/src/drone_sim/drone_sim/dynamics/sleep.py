@@ -10,7 +10,7 @@ import numpy as np
 
 from drone_sim.arrays import Floats, Integers
 from drone_sim.collision.detection import Detection
-from drone_sim.collision.events import Touching, all_touches, touching
+from drone_sim.collision.events import Contacts, Touching, all_touches, contacts, touching
 from drone_sim.collision.manifold import PARTS, SWEPT
 from drone_sim.effects import Setting
 from drone_sim.kernel import kernel
@@ -19,6 +19,7 @@ from drone_sim.stage import Stage
 QUIET = 0.005  # m/s, the fastest point of a body that rests
 PATIENCE = 0.5  # s for which it has to
 KEPT = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction")  # of a manifold
+SHOWN = ("anchor_w", "separation")  # of a manifold: kept for those who look at what sleeps
 
 
 @kernel
@@ -112,6 +113,13 @@ class Sleep:
             return touching(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
         return touching(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
 
+    @property
+    def contacts(self) -> Contacts | None:
+        """Where they touch; None if nobody sleeps."""
+        if not len(self._part):
+            return None
+        return contacts(*(self._kept[name] for name in ("pair", "points", "normal_w", *SHOWN, "touch")))
+
     def wake(self, bodies: Integers) -> None:
         """Wakes these bodies and their islands."""
         woken = np.zeros(self._setting.model.bodies.count, np.bool_)
@@ -172,7 +180,7 @@ class Sleep:
         part = np.searchsorted(m.end, rows, side="right")
         touch = np.empty((m.count, 5))
         all_touches(m.count, m.points, m.point_w, m.separation, m.total, touch)
-        kept = {name: getattr(m, name)[rows] for name in KEPT} | {"touch": touch[rows]}
+        kept = {name: getattr(m, name)[rows] for name in (*KEPT, *SHOWN)} | {"touch": touch[rows]}
         self._part = np.concatenate([self._part, part])
         self._kept = {name: np.concatenate([self._kept[name], array]) if self._kept else array
                       for name, array in kept.items()}
