@@ -18,7 +18,7 @@ from drone_render.renderer import Renderer
 from drone_render.view import pose
 from drone_sim.arrays import Floats
 from drone_sim.markers import Markers
-from drone_sim.scene import Scene, load, parse
+from drone_sim.scene import OwnCollision, Scene, load
 from drone_sim.world import World
 
 OUT = Path(__file__).parents[1] / "docs" / "figures"
@@ -119,15 +119,21 @@ def eyes() -> Image.Image:
 
 
 def debug() -> Image.Image:
-    """What the collision detection sees of a drone that touches the crates: boxes, octrees, sectors, contacts."""
+    """What the collision detection sees: a drone pushes a crate, another crate stands, a drone flies free."""
     base = load("island")
-    text = base.path.read_text().replace("collision: {level: obb}", "collision: {level: octree}")
-    scene = parse(text.replace("pose: [0, 0, 0.6]", "pose: [7.3, -6.6, 0.34]"), base.path)
-    scene = scene.model_copy(update={"description": "debug"})
+    places = {
+        "user_drone": ((6.85, -6.95, 0.36, 0, 0, 0.4), "octree"),
+        "crate_0": ((7.75, -6.6, 0, 0, 0, 0.4), "octree"),
+        "crate_1": ((9.3, -7.6, 0, 0, 0, -0.2), "obb"),
+        "ai_drone": ((8.9, -6.3, 1.75, 0, 0, -0.6), "octree"),
+    }
+    things = {name: base.objects[name].model_copy(update={"pose": pose, "collision": OwnCollision(level=level)})
+              for name, (pose, level) in places.items()}
+    scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **things}})
     world = World(scene)
-    for _ in range(40):
+    for _ in range(60):
         world.step({"user_drone": (0.8, 0.0, 0.0, 0.0)})
-    camera = "pose: [6.0, -9.4, 2.3, 0, 0.42, 0.92], fov: 1.0"
+    camera = "pose: [6.5, -10.95, 2.45, 0, 0.315, 1.13], fov: 1.0"
     return draw(scene.with_cameras(f"figure: {{size: [{SIZE[0]}, {SIZE[1]}], {camera}}}"), world=world)
 
 

@@ -35,8 +35,8 @@ class DebugView:
         if self._shown is not None and self._shown[0] is renderer and self._shown[1] is wanted:
             return  # another camera of the same moment
         self._shown = renderer, wanted
-        hierarchy = renderer.hierarchy
-        renderer.show(self._shapes and self._shapes.placed(hierarchy.names, hierarchy.world(poses)))
+        names, world = renderer.hierarchy.names, renderer.hierarchy.world
+        renderer.show(None if self._shapes is None else self._shapes.placed(names, world(poses)))
 
     def _read(self, data: bytes | None) -> Shapes | None:
         try:

@@ -12,7 +12,9 @@ HIDDEN = 0.25  # of a line's opacity that is left behind things
 BOLD = 4  # pixels from which on a line has a dark rim, and is seen through things
 RIM, DARK = 3, 0.7  # pixels that a rim is wider by, and its opacity
 SEEN = 0.6  # of a bold line's opacity that is left behind things
+BEFORE = 0.004  # of a line's distance that it is before what it lies on: the same pixels, but no flicker
 OUTLINE = 2  # pixels, the width of a ball's outline
+FIRMER = 1 / 3  # power of a ball's opacity that its outline has: of a veil that one sees through, it is a thin line
 _ANGLE = 2 * np.pi * (np.arange(48)[:, None] + [0, 1]) / 48
 CIRCLE = np.stack([np.cos(_ANGLE), np.sin(_ANGLE)], axis=-1)  # (lines, ends, 2)
 
@@ -49,14 +51,17 @@ class LinePass:
             return
         eye = np.linalg.inv(view_projection)[:, 2]  # the only point that is projected to no place at all
         centres, radii, colours = self._balls
-        seen, ends = outlines(centres, radii, eye[:3] / eye[3])
-        self._outlines.fill(ends, np.repeat(colours[seen] ** (1.0, 1.0, 1.0, 0.5), len(CIRCLE), axis=0))
+        eye = eye[:3] / eye[3]
+        seen, ends = outlines(centres, radii, eye)
+        self._outlines.fill(ends, np.repeat(colours[seen] ** (1.0, 1.0, 1.0, FIRMER), len(CIRCLE), axis=0))
         gl = self._device.context
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         # Marks of edges, in alpha, stay as they are.
         gl.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
         gl.fbo.depth_mask = False
-        matrix = view_projection.T.astype(np.float32)
+        nearer = (1 - BEFORE) * np.eye(4)
+        nearer[:3, 3], nearer[3, 3] = BEFORE * eye, 1.0
+        matrix = (view_projection @ nearer).T.astype(np.float32)
         bold = [stroke for (width, _), stroke in sorted(self._strokes.items(), key=_order) if width >= BOLD]
         plain = [self._outlines, *(stroke for (width, _), stroke in sorted(self._strokes.items()) if width < BOLD)]
         for strokes, hidden in ((plain, HIDDEN), (bold, SEEN)):

@@ -7,6 +7,7 @@ colour of its level, and is red while it touches another thing; what merely stan
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drone_sim.arrays import Booleans, Floats, Integers
 from drone_sim.collision.octree import Octree
@@ -14,18 +15,18 @@ from drone_sim.layouts import BALL, LINE_LIST, Mark, marker_array
 from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE, UNSAID
 from drone_sim.world import World
 
-LEVELS = {SPHERE: (0.15, 0.65, 1.0), OBB: (0.2, 0.85, 0.3), OCTREE: (0.75, 0.35, 1.0), TRIANGLE: (0.95, 0.95, 0.95)}
+LEVELS = {SPHERE: (0.15, 0.75, 1.0), OBB: (0.2, 0.85, 0.3), OCTREE: (0.75, 0.35, 1.0), TRIANGLE: (0.95, 0.95, 0.95)}
 TOUCHING = (1.0, 0.12, 0.08)
-SECTOR, CONTACT = (0.25, 0.35, 1.0, 0.5), (1.0, 0.85, 0.0, 1.0)
-FAINT, BALL_OPACITY = 0.5, 0.12  # opacity of octrees and of what never moves; of bounding spheres
-THIN, PLAIN, BOLD = 0.005, 0.01, 0.02  # m, widths of lines
+SECTOR, CONTACT = (0.65, 0.85, 1.0, 0.6), (1.0, 0.85, 0.0, 1.0)
+FAINT, FAINT_BALL = 0.5, 0.2  # opacity of octrees and of what never moves; of bounding spheres
+THIN, PLAIN, STRONG, BOLD = 0.005, 0.01, 0.015, 0.02  # m, widths of lines
 CARRIES = 0.7  # upward part of the normal from which on a contact with something static is standing on it
 DEPTH, DEEPEST = 3, 6  # of the octrees: what is deeper is not shown
 
 CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 EDGES = np.array([(i, j) for i in range(8) for j in range(i + 1, 8) if abs(CORNERS[i] - CORNERS[j]).sum() == 2]).ravel()
 HERE = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])  # the pose of what needs none
-LENGTH, HEAD, DISC = 0.3, 0.08, 0.05  # m, of an arrow, of its head, and the radius of the disc that it stands on
+LENGTH, HEAD, DISC = 0.25, 0.08, 0.05  # m, of an arrow, of its head, and the radius of the disc that it stands on
 
 
 def _arrow() -> Floats:
@@ -53,12 +54,12 @@ class Markers:
         half = bodies.half[self._bodies]
         corners = CORNERS[EDGES] * half[:, None]
         self._corners = [points.tobytes() for points in corners]
-        self._boxes = [self._mark("boxes", i, PLAIN if bodies.movable[i] else THIN) for i in self._bodies]
+        self._boxes = [self._mark("boxes", i, STRONG if bodies.movable[i] else THIN) for i in self._bodies]
         self._balls = [Mark(bodies.names[i], "spheres", i, BALL, poses[i], (2.0 * float(np.linalg.norm(bodies.half[i])),) * 3)
                        for i in self._bodies]
         self._trees: dict[int, tuple[Mark, bytes]] = {}
         self._grown: tuple[int, Octree] | None = None  # depth and octrees that these are of
-        self._sectors = Mark("world", "sectors", 0, LINE_LIST, HERE, (THIN, 0.0, 0.0))
+        self._sectors = Mark("world", "sectors", 0, LINE_LIST, HERE, (PLAIN, 0.0, 0.0))
         self._contacts: dict[int, Mark] = {}
 
     def _mark(self, name: str, body: int, width: float) -> Mark:
@@ -77,21 +78,21 @@ class Markers:
         touching = np.zeros(len(movable), bool)
         touching[pair[~stands(normal, fixed)]] = True
         level = self._levels()
-        shades = self._shades(level, touching)
-        opaque = np.column_stack([shades, np.where(movable | touching, 1.0, FAINT)]).astype(np.float32)
+        table = np.array([LEVELS[level] for level in range(max(LEVELS) + 1)])
+        shades = np.where(touching[:, None], TOUCHING, table[np.clip(level, 0, max(LEVELS))])
+        own = level == SPHERE
+
+        boxes = _colours(shades, np.where(movable | touching, 1.0, FAINT))
         for row, body in enumerate(self._bodies.tolist()):
-            yield self._boxes[row], opaque[body].tobytes(), self._corners[row]
-        own = (level == SPHERE)[:, None]
-        round_ = np.column_stack([np.where(own, shades, LEVELS[SPHERE]), np.where(own[:, 0], 3 * BALL_OPACITY, BALL_OPACITY)])
-        round_ = round_.astype(np.float32)
+            yield self._boxes[row], boxes[body].tobytes(), self._corners[row]
+        balls = _colours(np.where(own[:, None], shades, LEVELS[SPHERE]), np.where(own, 3 * FAINT_BALL, FAINT_BALL))
         for row, body in enumerate(self._bodies.tolist()):
             if movable[body] or own[body]:
-                yield self._balls[row], round_[body].tobytes(), b""
-        if world.detection.forest is not None:
-            faint = np.column_stack([shades, np.full(len(shades), FAINT)]).astype(np.float32)
-            for body in self._bodies[(movable | touching)[self._bodies]].tolist():
-                if tree := self._tree(body, depth):
-                    yield tree[0], faint[body].tobytes(), tree[1]
+                yield self._balls[row], balls[body].tobytes(), b""
+        trees = _colours(shades, np.full(len(shades), FAINT))
+        for body in np.flatnonzero(touching | (movable & (level >= OCTREE))).tolist():
+            if tree := self._tree(body, depth):
+                yield tree[0], trees[body].tobytes(), tree[1]
         yield self._sectors, np.array(SECTOR, np.float32).tobytes(), self._sector_lines().tobytes()
         yield from self._arrows(pair, normal, fixed, contacts.arm)
 
@@ -99,12 +100,6 @@ class Markers:
         """The level that each body asks for, (n,)."""
         default, own, _, _ = self._world.detection.levels.tables()
         return np.where(own[:, 0] == UNSAID, default[0], own[:, 0])
-
-    @staticmethod
-    def _shades(level: Integers, touching: Booleans) -> Floats:
-        """Red, green, blue of each body, (n, 3)."""
-        table = np.array([LEVELS[level] for level in range(max(LEVELS) + 1)])
-        return np.where(touching[:, None], TOUCHING, table[np.clip(level, 0, max(LEVELS))])
 
     def _tree(self, body: int, depth: int) -> tuple[Mark, bytes] | None:
         """The nodes at the depth, and the leaves above it, of a body that has an octree."""
@@ -149,6 +144,11 @@ def stands(normal: Floats, fixed: Booleans) -> Booleans:
     """Which contacts (k,) are of something that stands on something static. normal: (k, 3); fixed: (k, 2) of a and b."""
     up = normal[:, 2]
     return np.asarray((fixed[:, 0] & (up > CARRIES)) | (fixed[:, 1] & (up < -CARRIES)))
+
+
+def _colours(shades: Floats, opacity: Floats) -> NDArray[np.float32]:
+    """Red, green, blue, alpha (n, 4)."""
+    return np.column_stack([shades, opacity]).astype(np.float32)
 
 
 def _frames(along: Floats) -> Floats:

@@ -175,13 +175,19 @@ class Grid:
 
     def sectors(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         """Lowest corners (k, 3) and edges (k,) in m of the cells that boxes stand in, each once."""
-        cells = []
-        for i, reach in enumerate((high / 2 - low / 2).max(axis=1)):
-            level = min(int(np.searchsorted(self._levels[:, 0], reach)), len(self._levels) - 1)
-            first, last = np.floor(np.array([low[i], high[i]]) * self._levels[level, 1])
-            place = np.stack(np.meshgrid(*map(np.arange, first, last + 1), indexing="ij"), -1).reshape(-1, 3)
-            cells.append(np.insert(place, 0, level, axis=1))
-        places = np.unique(np.concatenate(cells), axis=0) if cells else np.empty((0, 4))
+        reach = (high / 2 - low / 2).max(axis=1)
+        level = np.minimum(np.searchsorted(self._levels[:, 0], reach), len(self._levels) - 1)
+        per_metre = self._levels[level, 1:2]
+        first = np.floor(low * per_metre)
+        span = (np.floor(high * per_metre) - first).astype(np.int64) + 1
+        cells = span.prod(axis=1)
+        which = np.repeat(np.arange(len(level)), cells)
+        nth = np.arange(cells.sum()) - np.repeat(np.cumsum(cells) - cells, cells)
+        step = np.stack([nth // (span[which, 1] * span[which, 2]), nth // span[which, 2] % span[which, 1],
+                         nth % span[which, 2]], axis=1)
+        places = np.column_stack([level[which], first[which] + step])
+        places = places[np.lexsort(places.T[::-1])]
+        places = places[(np.diff(places, axis=0, prepend=np.nan) != 0).any(axis=1)]
         edges = 1.0 / self._levels[places[:, 0].astype(np.int64), 1]
         return places[:, 1:] * edges[:, None], edges
 
