@@ -1,5 +1,7 @@
 """How many steps are due: ties simulated time to the wall clock without ever letting it jump."""
 
+import math
+
 MOST_AT_ONCE = 5  # steps; what a stall leaves beyond these is given up, and reported as lag
 
 
@@ -26,3 +28,19 @@ class Pacer:
     def restart(self) -> None:
         """Starts anew at the next call, after a pause that is nobody's lag."""
         self._next = None
+
+
+class Share:
+    """Something that may take a share of the time, from 0 to 1: what took long is due again after a longer rest."""
+
+    def __init__(self, share: float) -> None:
+        self._rest = 1.0 / share - 1.0
+        self._next = -math.inf
+
+    def due(self, now: float) -> bool:
+        """Whether it may happen at `now` in s."""
+        return now >= self._next
+
+    def took(self, start: float, end: float) -> None:
+        """It happened from `start` to `end`."""
+        self._next = end + self._rest * (end - start)

@@ -1,5 +1,6 @@
 """The node around the world: commands in, poses and events out, time kept."""
 
+import math
 import sys
 
 import rclpy
@@ -9,7 +10,7 @@ from drone_interfaces.msg import Scene as SceneMessage
 from drone_interfaces.srv import SetCollisionLevel
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
@@ -24,10 +25,10 @@ from visualization_msgs.msg import MarkerArray
 
 from drone_sim import kernel
 from drone_sim.audience import Audience
-from drone_sim.markers import markers
+from drone_sim.markers import DEEPEST, DEPTH, Markers
 from drone_sim.mesh import MeshError
 from drone_sim.messages import diagnostics, scene_message
-from drone_sim.pacing import Pacer
+from drone_sim.pacing import Pacer, Share
 from drone_sim.process import run
 from drone_sim.scene import SceneError, load
 from drone_sim.telemetry import Telemetry, Type
@@ -40,7 +41,9 @@ RELIABLE = QoSProfile(depth=100)
 NO_CALLBACKS = PublisherEventCallbacks(use_default_callbacks=False)  # for which each publisher of a thousand would be
 # asked in every round of the executor; a subscriber that wants more than is offered is warned in its own process
 MOST_STEPS = 10_000  # of one call; nothing else is answered meanwhile
-MARKER_RATE = 10.0  # Hz of simulated time, and only while somebody looks
+MARKER_RATE = 60.0  # Hz of simulated time at most, and only while somebody looks
+MARKER_SHARE = 0.1  # of wall time that they may take; those of a thousand bodies come less often
+MARKERS_IN_PAUSE = 0.2  # s of wall time
 LONGEST_WAIT = 10.0  # s of wall time for those that must miss nothing
 UNPACED_SLICE = 0.005  # s of wall time between looks at the subscriptions when running as fast as it can
 
@@ -58,9 +61,13 @@ class SimNode(Node):
         self._awaited = int(self.declare_parameter("listeners", 0, ParameterDescriptor(
             description="subscribers of tf without which time does not start, so that they miss nothing",
             read_only=True)).value)
+        self.declare_parameter("debug_depth", DEPTH, ParameterDescriptor(
+            description="of the octrees on debug/markers, 0 for their roots alone",
+            integer_range=[IntegerRange(from_value=0, to_value=DEEPEST, step=1)]))
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._state = SimulationState.STATE_LOADING_WORLD
         self._rejected = 0
+        self._showing = Share(MARKER_SHARE)
         self._publishing = 0.0  # s of wall time since the last report
         self._timer: rclpy.timer.Timer | None = None
         self._outputs: dict[str, rclpy.publisher.Publisher] = {}
@@ -78,6 +85,7 @@ class SimNode(Node):
             self.create_service(service, name, answer)
         self._run(self._build(scene))
         self.create_timer(1.0, self._report, clock=self._wall)
+        self.create_timer(MARKERS_IN_PAUSE, self._show_in_pause, clock=self._wall)
 
     def _number(self, name: str, default: float, most: float, description: str) -> float:
         limits = FloatingPointRange(from_value=0.0, to_value=most)
@@ -102,7 +110,7 @@ class SimNode(Node):
         """Replaces whatever runs."""
         for subscription in self._inputs:
             self.destroy_subscription(subscription)
-        self._world, self._telemetry = world, Telemetry(world)
+        self._world, self._telemetry, self._markers = world, Telemetry(world), Markers(world)
         topics = self._telemetry.topics
         for topic in self._outputs.keys() - topics.keys():
             self.destroy_publisher(self._outputs.pop(topic))
@@ -175,10 +183,21 @@ class SimNode(Node):
         self._audience.look()
         for topic, message in self._telemetry.messages(self._audience.heard):
             self._outputs[topic].publish(message)
-        every = max(1, round(self._world.scene.rates.physics / MARKER_RATE))
-        if int(self._world.state.step[0]) % every == 0 and self._marker_output.get_subscription_count():
-            self._marker_output.publish(markers(self._world, self._telemetry.time_ns))
+        if int(self._world.state.step[0]) % max(1, math.ceil(self._world.scene.rates.physics / MARKER_RATE)) == 0:
+            self._show()
         self._publishing += self._now() - start
+
+    def _show(self) -> None:
+        """Publishes what the collision detection sees, if somebody looks."""
+        if self._marker_output.get_subscription_count() and self._showing.due(start := self._now()):
+            depth = self.get_parameter("debug_depth").get_parameter_value().integer_value
+            self._marker_output.publish(self._markers.message(self._telemetry.time_ns, depth))
+            self._showing.took(start, self._now())
+
+    def _show_in_pause(self) -> None:
+        """For who begins to look, or looks deeper, while nothing moves."""
+        if not self._is_running():
+            self._show()
 
     # Commands
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drone_sim.pacing import MOST_AT_ONCE, Pacer
+from drone_sim.pacing import MOST_AT_ONCE, Pacer, Share
 
 
 @pytest.mark.parametrize(("rate", "factor"), [(30, 1.0), (30, 0.5), (240, 2.0), (1000, 1.0)])
@@ -43,3 +43,11 @@ def test_steps_and_lag_add_up_to_the_time_that_passed(waits: list[float]) -> Non
         assert 0 <= due <= MOST_AT_ONCE
         steps += due
     assert abs(steps / 30 + pacer.lag - now) <= 1 / 30 + 1e-9
+
+
+def test_what_takes_long_rests_long() -> None:
+    share = Share(0.1)
+    assert share.due(5.0)
+    share.took(5.0, 5.02)
+    assert not share.due(5.19)
+    assert share.due(5.21)
