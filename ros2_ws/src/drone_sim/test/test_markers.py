@@ -101,8 +101,8 @@ def test_contacts_of_sleepers_stay(world: Callable[..., World]) -> None:
     assert not scene.state.is_awake.any() and scene.detection.manifolds.count == 0
     shown = read(scene)
     start, way = arrows(scene, shown)
-    assert len(start) == 8 and before[-100:].count(8) > 60
-    assert not set(before[-60:]) - {8}  # they are told once, neither twice nor not at all, as crates fall asleep
+    assert len(start) == 8
+    assert min(before[1:]) == 4 and max(before) == 8  # neither twice nor not at all while one crate falls asleep
     np.testing.assert_allclose(way, [[0, 0, LENGTH]] * 8, atol=1e-3)
     np.testing.assert_allclose(start[:, 2], 0, atol=0.002)
     scene.sleep.wake(np.flatnonzero(scene.model.bodies.movable))
