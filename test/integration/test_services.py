@@ -11,6 +11,8 @@ from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
 from drone_interfaces.srv import SetCollisionLevel
 from geometry_msgs.msg import PoseStamped, Twist, Vector3
 from live import Graph, NodeProcess, Spawn
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from simulation_interfaces.msg import Resource, Result, SimulationState
@@ -109,11 +111,31 @@ def test_time_stands_still_is_stepped_and_starts_over(graph: Graph) -> None:
 
 def test_what_the_collision_detection_sees_is_shown_to_who_looks(graph: Graph) -> None:
     seen = graph.listen(MarkerArray, "debug/markers")
-    graph.wait_for(lambda: seen, "markers")
-    shown = {marker.ns: len(marker.points) for marker in seen[-1].markers}
-    assert shown["boxes"] % 24 == 0
-    assert shown["boxes"] > 0
-    assert shown["contacts"] > 0
+    graph.wait_for(lambda: seen and any(marker.ns == "contacts" for marker in seen[-1].markers), "contacts")
+    box = next(marker for marker in seen[-1].markers if marker.ns == "boxes" and marker.header.frame_id == "crate_0")
+    assert len(box.points) == 24
+
+
+def test_octrees_are_shown_as_deep_as_a_parameter_says_in_a_pause_as_well(graph: Graph) -> None:
+    answer = graph.call(SetCollisionLevel, "set_collision_level", SetCollisionLevel.Request(level="octree"))
+    assert answer.success, answer.message
+    assert set_state(graph, SimulationState.STATE_PAUSED) == Result.RESULT_OK
+    seen = graph.listen(MarkerArray, "debug/markers")
+
+    def look(depth: int) -> bool:
+        value = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=depth)
+        request = SetParameters.Request(parameters=[Parameter(name="debug_depth", value=value)])
+        return bool(graph.call(SetParameters, "drone_sim/set_parameters", request).results[0].successful)
+
+    def nodes() -> int:
+        return max([len(marker.points) // 24 for marker in seen[-1].markers if marker.ns == "octrees"], default=0)
+
+    assert look(0)
+    graph.wait_for(lambda: seen and nodes() == 1, "the roots")
+    assert look(2)
+    graph.wait_for(lambda: nodes() > 8, "what is below them")
+    assert not look(7)
+    assert set_state(graph, SimulationState.STATE_PLAYING) == Result.RESULT_OK
 
 
 def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None:

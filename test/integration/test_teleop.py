@@ -17,6 +17,8 @@ import pytest
 from drone_interfaces.msg import Scene
 from geometry_msgs.msg import Twist
 from live import DEADLINE, Graph, Spawn
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from simulation_interfaces.msg import Result, SimulationState
 from simulation_interfaces.srv import ResetSimulation, SetSimulationState
@@ -145,12 +147,15 @@ def test_keys_ask_the_other_nodes_and_their_answers_are_shown(graph: Graph, term
         asked.append(request)
         if isinstance(response, Trigger.Response):
             response.success, response.message = True, "out/picture.png"
+        elif isinstance(response, SetParameters.Response):
+            response.results = [SetParametersResult(successful=True)]
         else:
             response.result.result = Result.RESULT_OK
         return response
 
     for kind, name, key, shown in (
         (Trigger, "drone_render/save_image", b"p", "saved out/picture.png"),
+        (SetParameters, "drone_sim/set_parameters", b"]", "octrees 4 deep"),
         (ResetSimulation, "reset_simulation", b"r", "started over"),
         (SetSimulationState, "set_simulation_state", b" ", "PAUSED"),
     ):

@@ -10,12 +10,15 @@ import numpy.typing as npt
 
 from drone_render.view import Array, matrices
 from drone_sim.cdr import ENCODING
+from drone_sim.layouts import NO_MORE
 
 BALL, LINE_LIST = 2, 5  # of visualization_msgs/Marker: an ellipsoid; points two by two
 WORLD = "world"
 METRE = 200  # pixels of a line's width: its metres are for viewers that scale it, here it is the same near and far
 WIDEST = 8  # pixels
+POSE_SCALE_COLOUR = struct.Struct("<10d4f")
 Floats = npt.NDArray[np.float32]
+NO_COLOURS: Floats = np.empty((0, 4), np.float32)
 
 
 class Lines(NamedTuple):
@@ -71,8 +74,8 @@ class Marker(NamedTuple):
     pose: tuple[float, ...]  # x y z qx qy qz qw
     scale: tuple[float, ...]  # (3,) m
     colour: tuple[float, ...]  # (4,)
-    points: npt.NDArray[np.float64]  # (p, 3)
-    colours: Floats  # (p, 4), or (0, 4) where all have the marker's
+    points: npt.NDArray[np.floating]  # (p, 3)
+    colours: npt.NDArray[np.floating]  # (p, 4), or (0, 4) where all have the marker's
 
 
 class _Reader:
@@ -93,9 +96,16 @@ class _Reader:
         at = self.skip(4)
         return int.from_bytes(self._body[at : at + 4], "little")
 
-    def numbers(self, kind: str, count: int) -> tuple[float, ...]:
-        at = self.skip(struct.calcsize(kind), count)
-        return struct.unpack_from(f"<{count}{kind}", self._body, at)
+    def numbers(self, layout: struct.Struct) -> tuple[float, ...]:
+        """Those of a layout that begins at a multiple of 8."""
+        self.skip(8, 0)
+        return layout.unpack_from(self._body, self.skip(1, layout.size))
+
+    def passed(self, data: bytes) -> bool:
+        """Whether these bytes come next, which are passed then."""
+        found = self._body.startswith(data, self._at)
+        self._at += len(data) if found else 0
+        return found
 
     def floats(self, kind: str, count: int) -> npt.NDArray[np.floating]:
         size = int(kind[-1])
@@ -119,7 +129,7 @@ def read_markers(data: bytes) -> Shapes:
     balls = [i for i, m in enumerate(markers) if m.kind == BALL]
     counts = [len(markers[i].points) // 2 for i in lined]
     ends = [markers[i].points[: 2 * count].reshape(-1, 2, 3) for i, count in zip(lined, counts, strict=True)]
-    shades = [np.asarray(m.colours[: 2 * count : 2]) if len(m.colours) else np.tile(np.float32(m.colour), (count, 1))
+    shades = [m.colours[: 2 * count : 2] if len(m.colours) else np.tile(np.array(m.colour), (count, 1))
               for m, count in zip((markers[i] for i in lined), counts, strict=True)]
     widths = [min(max(round(METRE * markers[i].scale[0]), 1), WIDEST) for i in lined]
     return Shapes(
@@ -143,12 +153,14 @@ def _marker(reader: _Reader) -> Marker:
     reader.skip(4)  # id
     kind = reader.uint32()
     reader.skip(4)  # action
-    row = reader.numbers("d", 10)
-    colour = reader.numbers("f", 4)
+    row = reader.numbers(POSE_SCALE_COLOUR)
     reader.skip(4, 2)  # lifetime
     reader.skip(1)  # frame locked
     count = reader.uint32()
     points = reader.floats("<f8", 3 * count).reshape(-1, 3)
+    read = frame, kind, row[:7], row[7:10], row[10:], points
+    if reader.passed(NO_MORE):  # which is all that drone_sim's have, and fast
+        return Marker(*read, NO_COLOURS)
     count = reader.uint32()
     colours = reader.floats("<f4", 4 * count).reshape(-1, 4)
     reader.text()  # texture
@@ -163,4 +175,4 @@ def _marker(reader: _Reader) -> Marker:
     reader.text()
     reader.skip(1, reader.uint32())
     reader.skip(1)
-    return Marker(frame, kind, row[:7], row[7:], colour, points, colours)
+    return Marker(*read, colours)

@@ -2,6 +2,7 @@
 
 import moderngl
 import numpy as np
+import numpy.typing as npt
 
 from drone_render.context import Device, write
 from drone_render.lines import Floats, Lines
@@ -38,7 +39,7 @@ class LinePass:
             ends, colours = lines.ends[chosen], lines.colours[chosen]
             self._stroke(width, False).fill(ends, colours)
             if width >= BOLD:
-                self._stroke(width, True).fill(ends, colours * np.float32((0.0, 0.0, 0.0, DARK)))
+                self._stroke(width, True).fill(ends, colours * np.array((0.0, 0.0, 0.0, DARK), np.float32))
 
     def _stroke(self, width: int, rim: bool) -> "_Stroke":
         if (width, rim) not in self._strokes:
@@ -89,7 +90,7 @@ class _Stroke:
         self._array: moderngl.VertexArray | None = None
         self.count = 0
 
-    def fill(self, ends: Floats, colours: Floats) -> None:
+    def fill(self, ends: Floats | Array, colours: Floats) -> None:
         """Takes the lines: ends (n, 2, 3), colours (n, 4)."""
         rows = np.hstack([ends.reshape(-1, 6), colours]).astype(np.float32)
         self.count = len(rows)
@@ -110,9 +111,9 @@ class _Stroke:
         self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self.count)
 
 
-def outlines(centres: Floats, radii: Floats, eye: Array) -> tuple[Array, Array]:
-    """Which balls (k,) have an outline, the eye not being within; and the lines' ends (n, 2, 3) of the circles, at which
-    the rays from the eye touch them."""
+def outlines(centres: Floats, radii: Floats, eye: Array) -> tuple[npt.NDArray[np.intp], Array]:
+    """Which balls (k,) have an outline, the eye not being within; and the ends (n, 2, 3) of the circles at which the
+    rays from the eye touch them."""
     way = eye - centres.astype(np.float64)
     square = np.einsum("ki,ki->k", way, way)
     seen = np.flatnonzero(square > np.square(radii))

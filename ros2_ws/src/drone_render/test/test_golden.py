@@ -98,7 +98,15 @@ def test_levels_of_detail_look_as_before(make_scene: Make, graphics: moderngl.Co
 def test_the_debug_view_looks_as_before(make_scene: Make, graphics: moderngl.Context) -> None:
     corners = np.array([(x, y, z) for x in (2.5, 3.5) for y in (0.2, 1.2) for z in (-0.3, 0.7)], np.float32)
     ends = np.array([(a, b) for a in corners for b in corners if 0.9 < np.linalg.norm(a - b) < 1.1], np.float32)
-    lines = Lines.of(ends, np.tile([0.2, 0.8, 0.3, 1.0], (len(ends), 1)))
+    arrow = [[(2.5, 0.2, -0.3), (2.5, 0.2, 0.3)], [(2.5, 0.2, 0.3), (2.5, 0.3, 0.2)], [(2.5, 0.2, 0.3), (2.5, 0.1, 0.2)]]
+    green, yellow = [0.2, 0.8, 0.3, 1.0], [1.0, 0.85, 0.0, 1.0]
+    colours = np.array([green] * len(ends) + [yellow] * 3)
+    lines = Lines.of(np.concatenate([ends, np.array(arrow)]), colours)._replace(
+        widths=np.repeat([3, 4], [len(ends), 3]),
+        centres=np.array([[3, -0.7, 0.2]], np.float32),
+        radii=np.array([0.5], np.float32),
+        ball_colours=np.array([[0.15, 0.75, 1.0, 0.2]], np.float32),
+    )
     picture = Picture((160, 120), "front")
     with Renderer(make_scene(FEATURES["antialiasing"]), graphics) as renderer:
         renderer.show(lines)

@@ -32,7 +32,8 @@ def marker(frame: str, **fields: object) -> Marker:
 def test_a_marker_array_is_read_without_rclpy() -> None:
     red, blue = ColorRGBA(r=1.0, a=1.0), ColorRGBA(b=1.0, a=0.5)
     points = [Point(x=float(i), y=2.0 * i, z=-1.0) for i in range(4)]
-    lines = marker("world", ns="boxes", type=Marker.LINE_LIST, points=points, colors=[red, red, blue, blue], text="word")
+    colours = [red, red, blue, blue]
+    lines = marker("world", ns="boxes", type=Marker.LINE_LIST, points=points, colors=colours, text="word")
     lines.scale.x = 0.02
     lines.pose.position.x, lines.pose.orientation.w = 10.0, 1.0
     plain = marker("crate", type=Marker.LINE_LIST, points=points[:2])
@@ -41,7 +42,8 @@ def test_a_marker_array_is_read_without_rclpy() -> None:
     other = marker("world", type=Marker.CUBE, mesh_resource="none.obj", points=points)
     found = read_markers(serialize_message(MarkerArray(markers=[other, lines, ball, plain, marker("world", type=5)])))
     assert (found.frames, found.marker.tolist()) == (("world", "world", "crate", "crate", "world"), [1, 1, 3])
-    np.testing.assert_allclose(found.ends, [[[0, 0, -1], [1, 2, -1]], [[2, 4, -1], [3, 6, -1]], [[0, 0, -1], [1, 2, -1]]])
+    first, second = [[0, 0, -1], [1, 2, -1]], [[2, 4, -1], [3, 6, -1]]
+    np.testing.assert_allclose(found.ends, [first, second, first])
     np.testing.assert_allclose(found.colours, [[1, 0, 0, 1], [0, 0, 1, 0.5], [0.25, 0.5, 1, 0.5]])
     assert found.widths.tolist() == [4, 4, 1]
     assert (found.balls.tolist(), found.radii.tolist()) == ([2], [1.5])
@@ -52,7 +54,7 @@ def test_a_marker_array_is_read_without_rclpy() -> None:
 
 
 def test_markers_go_with_what_they_hang_on() -> None:
-    """A box in a body's frame is where the body is in the picture, to the last bit; what hangs on nobody is left out."""
+    """A box in a body's frame is where the body is in the picture; what hangs on nobody is left out."""
     line = [Point(x=1.0), Point(y=1.0)]
     box, fixed, lost = (marker(frame, type=Marker.LINE_LIST, points=line) for frame in ("crate", "world", "nobody"))
     ball = marker("crate", type=Marker.SPHERE)

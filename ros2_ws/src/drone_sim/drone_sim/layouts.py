@@ -50,9 +50,9 @@ LIFETIME = 500_000_000  # ns, after which a marker that nobody tells any more is
 _MIDDLE = struct.Struct("<IIBxxxI")
 # And what follows its points: no colours of their own, texture, words or mesh. The next marker starts at a multiple of
 # 4 that is none of 8, as the first one does.
-_TAIL = bytes(Layout().uint32(0).string("").header("").string("").uint32(0).uint32(0).string("").string("").string("")
+NO_MORE = bytes(Layout().uint32(0).string("").header("").string("").uint32(0).uint32(0).string("").string("").string("")
               .uint32(0).uint8(0).message())[len(ENCODING) :]
-_PADDED = _TAIL + bytes((4 - len(_TAIL)) % 8)
+_PADDED = NO_MORE + bytes((4 - len(NO_MORE)) % 8)
 
 
 class Mark:
@@ -76,7 +76,7 @@ def marker_array(time_ns: int, marks: Iterable[tuple[Mark, bytes, bytes]]) -> by
     parts = [part for mark, colour, points in marks
              for part in (stamp, mark.head, colour, _MIDDLE.pack(*life, 1, len(points) // 24), points, _PADDED)]
     body = b"".join(parts)
-    return ENCODING + struct.pack("<I", len(parts) // 6) + body[: len(body) - len(_PADDED) + len(_TAIL)]
+    return ENCODING + struct.pack("<I", len(parts) // 6) + body[: len(body) - len(_PADDED) + len(NO_MORE)]
 
 
 class CollisionEvents:

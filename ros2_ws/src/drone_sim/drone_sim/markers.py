@@ -54,9 +54,10 @@ class Markers:
         half = bodies.half[self._bodies]
         corners = CORNERS[EDGES] * half[:, None]
         self._corners = [points.tobytes() for points in corners]
-        self._boxes = [self._mark("boxes", i, STRONG if bodies.movable[i] else THIN) for i in self._bodies]
-        self._balls = [Mark(bodies.names[i], "spheres", i, BALL, poses[i], (2.0 * float(np.linalg.norm(bodies.half[i])),) * 3)
-                       for i in self._bodies]
+        diameters = 2.0 * np.linalg.norm(bodies.half, axis=1)
+        solid = self._bodies.tolist()
+        self._boxes = [self._mark("boxes", i, STRONG if bodies.movable[i] else THIN) for i in solid]
+        self._balls = [Mark(bodies.names[i], "spheres", i, BALL, poses[i], (diameters[i],) * 3) for i in solid]
         self._trees: dict[int, tuple[Mark, bytes]] = {}
         self._grown: tuple[int, Octree] | None = None  # depth and octrees that these are of
         self._sectors = Mark("world", "sectors", 0, LINE_LIST, HERE, (PLAIN, 0.0, 0.0))
@@ -120,9 +121,10 @@ class Markers:
         corner, edge = self._world.detection.sectors()
         return np.asarray(corner[:, None] + (CORNERS[EDGES] + 1) * edge[:, None, None] / 2)
 
-    def _arrows(self, pair: Integers, normal: Floats, fixed: Booleans, arm: Floats) -> Iterator[tuple[Mark, bytes, bytes]]:
-        """Where bodies touch: an arrow along the normal, into the second of two that move, or the only one; in the frame
-        of the first of them that moves."""
+    def _arrows(self, pair: Integers, normal: Floats, fixed: Booleans, arm: Floats
+                ) -> Iterator[tuple[Mark, bytes, bytes]]:
+        """Where bodies touch: an arrow along the normal, into the second of two that move, or the only one; in the
+        frame of the first of them that moves."""
         side = fixed[:, 0].astype(int)
         rows = np.arange(len(side))
         body = pair[rows, side]
@@ -141,7 +143,7 @@ class Markers:
 
 
 def stands(normal: Floats, fixed: Booleans) -> Booleans:
-    """Which contacts (k,) are of something that stands on something static. normal: (k, 3); fixed: (k, 2) of a and b."""
+    """Which contacts (k,) are of what stands on something static. normal: (k, 3); fixed: (k, 2) of a and b."""
     up = normal[:, 2]
     return np.asarray((fixed[:, 0] & (up > CARRIES)) | (fixed[:, 1] & (up < -CARRIES)))
 

@@ -69,7 +69,7 @@ def test_boxes_contacts_and_sectors(world: Callable[..., World]) -> None:
     sectors = corners(scene, shown["sectors", "world"]).reshape(-1, 24, 3)
     low, high = sectors.min(axis=1), sectors.max(axis=1)
     assert len(np.unique(low, axis=0)) == len(low)
-    for place in ([0, 0, 0.3], scene.pose("crate_1")[:3] + [0, 0, 0.3]):
+    for place in (scene.pose(name)[:3] + np.array([0, 0, 0.3]) for name in ("crate_0", "crate_1")):
         assert ((low <= place) & (place <= high)).all(axis=1).any()
     assert not ((low <= [2.5, 0, 0.3]) & (high >= [2.5, 0, 0.3])).all(axis=1).any()
 

@@ -35,6 +35,7 @@ F4 (hold) : the AI drone comes down and stays down
 Tab       : next camera
 F2 or p   : save a picture
 F3 or v   : show or hide what collisions see
+[ or ]    : show its octrees less or more deeply
 Space     : pause, continue
 r         : start the simulation over
 
@@ -82,6 +83,8 @@ class Action(Enum):
     CAMERA = "next camera"
     PICTURE = "save a picture"
     DEBUG = "show or hide what collisions see"
+    SHALLOWER = "octrees a level less deep"
+    DEEPER = "octrees a level deeper"
     PAUSE = "pause or continue"
     RESET = "start over"
 
@@ -92,6 +95,8 @@ ACTIONS = {
     "p": Action.PICTURE,
     "F3": Action.DEBUG,
     "v": Action.DEBUG,
+    "[": Action.SHALLOWER,
+    "]": Action.DEEPER,
     "Space": Action.PAUSE,
     "r": Action.RESET,
 }

@@ -11,7 +11,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, Parameter, ParameterDescriptor, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
@@ -29,6 +30,7 @@ from drone_teleop.terminal import Keyboard
 
 KEY_PERIOD = 0.02  # s between two looks at the keyboard
 HOLD_PERIOD = 0.1
+DEPTH = 3  # of the octrees that drone_sim shows at first
 STATUS_PERIOD = 0.2
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST = QoSProfile(depth=1)
@@ -59,6 +61,7 @@ class TeleopNode(Node):
         self._ai_state = ""
         self._paused = False
         self._shows_debug = False
+        self._depth = DEPTH
         self._keys = 0
 
         self._cmd_vel = self.create_publisher(Twist, "cmd_vel", 10)
@@ -67,6 +70,7 @@ class TeleopNode(Node):
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self._save = self.create_client(Trigger, "drone_render/save_image")
         self._debug = self.create_client(SetBool, "drone_render/show_debug")
+        self._parameters = self.create_client(SetParameters, "drone_sim/set_parameters")
         self._reset = self.create_client(ResetSimulation, "reset_simulation")
         self._set_state = self.create_client(SetSimulationState, "set_simulation_state")
         self.create_subscription(Scene, "scene", self._on_scene, LATCHED)
@@ -102,6 +106,8 @@ class TeleopNode(Node):
                 case Action.DEBUG:
                     self._shows_debug = not self._shows_debug
                     self._ask(self._debug, SetBool.Request(data=self._shows_debug), self._was_debug)
+                case Action.SHALLOWER | Action.DEEPER as way:
+                    self._look(self._depth + (1 if way is Action.DEEPER else -1))
                 case Action.RESET:
                     self._ask(self._reset, ResetSimulation.Request(), self._was_reset)
                 case Action.PAUSE:
@@ -137,6 +143,19 @@ class TeleopNode(Node):
 
     def _saved(self, answer: Trigger.Response) -> None:
         self._screen.say(f"saved {answer.message}" if answer.success else f"no picture: {answer.message}")
+
+    def _look(self, depth: int) -> None:
+        """Asks for octrees of another depth; drone_sim knows how deep is too deep."""
+        value = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=depth)
+        request = SetParameters.Request(parameters=[Parameter(name="debug_depth", value=value)])
+        self._ask(self._parameters, request, lambda answer: self._has_looked(depth, answer))
+
+    def _has_looked(self, depth: int, answer: SetParameters.Response) -> None:
+        if answer.results[0].successful:
+            self._depth = depth
+            self._screen.say(f"octrees {depth} deep")
+        else:
+            self._screen.say(f"octrees stay {self._depth} deep: {answer.results[0].reason}")
 
     def _was_debug(self, answer: SetBool.Response) -> None:
         self._screen.say(answer.message)
