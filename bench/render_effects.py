@@ -10,10 +10,10 @@ from report import Row
 
 from drone_render import context
 from drone_render.image import Picture
-from drone_render.lines import read_lines
+from drone_render.lines import read_markers
 from drone_render.renderer import Renderer
 from drone_sim import scene as scenes
-from drone_sim.markers import markers
+from drone_sim.markers import Markers
 from drone_sim.scene import Scene
 from drone_sim.world import World
 
@@ -55,14 +55,17 @@ class Camera:
 
 
 class Debug(Camera):
-    """With the debug view, whose lines are new for every picture."""
+    """With the debug view, whose lines are placed anew for every picture."""
 
     def __init__(self, scene: Scene, graphics: Any) -> None:
         super().__init__(scene, graphics)
-        self._lines = read_lines(markers(World(scene), 0))
+        world = World(scene)
+        world.step()
+        self._shapes = read_markers(Markers(world).message(0))
 
     def draw(self) -> None:
-        self._renderer.show(self._lines)
+        hierarchy = self._renderer.hierarchy
+        self._renderer.show(self._shapes.placed(hierarchy.names, hierarchy.world(hierarchy.start)))
         super().draw()
 
 

@@ -98,7 +98,8 @@ def test_levels_of_detail_look_as_before(make_scene: Make, graphics: moderngl.Co
 def test_the_debug_view_looks_as_before(make_scene: Make, graphics: moderngl.Context) -> None:
     corners = np.array([(x, y, z) for x in (2.5, 3.5) for y in (0.2, 1.2) for z in (-0.3, 0.7)], np.float32)
     ends = np.array([(a, b) for a in corners for b in corners if 0.9 < np.linalg.norm(a - b) < 1.1], np.float32)
-    arrow = [[(2.5, 0.2, -0.3), (2.5, 0.2, 0.3)], [(2.5, 0.2, 0.3), (2.5, 0.3, 0.2)], [(2.5, 0.2, 0.3), (2.5, 0.1, 0.2)]]
+    foot, tip, wings = (2.5, 0.2, -0.3), (2.5, 0.2, 0.3), [(2.5, y, 0.2) for y in (0.3, 0.1)]
+    arrow = [(foot, tip), *((tip, wing) for wing in wings)]
     green, yellow = [0.2, 0.8, 0.3, 1.0], [1.0, 0.85, 0.0, 1.0]
     colours = np.array([green] * len(ends) + [yellow] * 3)
     lines = Lines.of(np.concatenate([ends, np.array(arrow)]), colours)._replace(
