@@ -127,8 +127,10 @@ def debug() -> Image.Image:
         "crate_1": ((9.3, -7.6, 0, 0, 0, -0.2), "obb"),
         "ai_drone": ((8.9, -6.3, 1.75, 0, 0, -0.6), "octree"),
     }
-    things = {name: base.objects[name].model_copy(update={"pose": pose, "collision": OwnCollision.model_validate({"level": level})})
-              for name, (pose, level) in places.items()}
+    things = {}
+    for name, (pose, level) in places.items():
+        collision = OwnCollision.model_validate({"level": level})
+        things[name] = base.objects[name].model_copy(update={"pose": pose, "collision": collision})
     scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **things}})
     world = World(scene)
     for _ in range(60):
