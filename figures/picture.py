@@ -128,9 +128,9 @@ def debug() -> Image.Image:
         "ai_drone": ((8.9, -6.3, 1.75, 0, 0, -0.6), "octree"),
     }
     things = {}
-    for name, (pose, level) in places.items():
+    for name, (place, level) in places.items():
         collision = OwnCollision.model_validate({"level": level})
-        things[name] = base.objects[name].model_copy(update={"pose": pose, "collision": collision})
+        things[name] = base.objects[name].model_copy(update={"pose": place, "collision": collision})
     scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **things}})
     world = World(scene)
     for _ in range(60):
