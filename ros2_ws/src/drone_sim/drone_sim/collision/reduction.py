@@ -43,14 +43,14 @@ def reduce(count, normal, point, separation, feature, most, most_points, free, s
                 spread[i] = 1e300 if like else -1e300
             else:
                 spread[i] = -1e300
-        out_points[made] = _pick(count, point, separation, feature, most_points, seed, spread, out_point[made],
+        out_points[made] = pick(count, point, separation, feature, most_points, seed, spread, out_point[made],
                                  out_separation[made], out_feature[made])
         made += 1
     return made
 
 
 @kernel
-def _pick(count, point, separation, feature, most, seed, spread, out_point, out_separation, out_feature):
+def pick(count, point, separation, feature, most, seed, spread, out_point, out_separation, out_feature):
     """Writes the points of one group, each the farthest from those before; spread: squared distance from them,
     negative for contacts of other groups."""
     picked, last = 0, seed
