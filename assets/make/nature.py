@@ -43,7 +43,7 @@ def _headland(seed: int, heading: float, away: float, size: tuple[float, float],
     rng = np.random.default_rng(seed)
     count = 26
     rows = []
-    for share, rise in ((1.0, -3.2), (0.90, -0.9), (0.80, 0.45), (0.70, 0.80), (0.50, 0.92), (0.25, 1.0)):
+    for share, rise in ((1.0, -2.0), (0.90, -0.8), (0.80, 0.45), (0.70, 0.80), (0.50, 0.92), (0.25, 1.0)):
         ring = circle(count) * share * rng.uniform(0.93, 1.07, (count, 1)) * size
         z = height * rise if rise > 0 else rise
         rows.append(np.column_stack([ring, z + min(share, 0.8) * rng.uniform(-0.12, 0.12, count)]))
@@ -79,11 +79,9 @@ def _meadow(end: Array) -> Model:
         far = radii_of(rows[: count + 1, middle])[:, None] / 2.5
         uv = np.dstack(np.broadcast_arrays(np.array([0.0, 0.5, 1.0]), far))
         parts.append(surface(rows[: count + 1, columns][::-1], "path", uv=uv[::-1]))
-    for ring in range(len(radii) - 1):
-        sheet = surface(rows[ring : ring + 2][::-1], "grass", closed=True)
-        free = np.repeat(~covered[ring], 2)
-        parts.append(Part(sheet.corners[free], sheet.uv[free], "grass").boxed())
-    return parts
+    sheet = surface(rows[::-1], "grass", closed=True)
+    free = np.repeat(~covered[::-1].ravel(), 2)
+    return [*parts, Part(sheet.corners[free], sheet.uv[free], "grass").boxed()]
 
 
 def radii_of(points: Array) -> Array:
