@@ -17,6 +17,7 @@ from drone_sim.model import OBB, SPHERE
 MORE_CONTACTS, MORE_MANIFOLDS = 1, 2
 MOST = 6  # manifolds of a pair
 SAME = 1e-4  # m; points this close are one
+DEPTH_WORTH = 30.0  # how many m of distance from other points one m of depth is worth: hulls rest on what touches
 TOUCHING = 1e-4  # m; points farther off tell less and less of the normal that is a group's
 
 
@@ -55,7 +56,7 @@ def group(count, normal, point, separation, feature, most, free, spread, points,
             for i in range(count):
                 if spread[i] > 0.0 and (start < 0 or separation[i] < separation[start]):
                     start = i
-            points[made] = pick(count, point, separation, feature, POINTS, start, spread, out_point[made],
+            points[made] = pick(count, point, separation, feature, POINTS, start, spread, DEPTH_WORTH, out_point[made],
                                 out_separation[made], out_feature[made])
         made += 1
     return made

@@ -18,7 +18,6 @@ from drone_sim.collision.shape import Shape
 from drone_sim.kernel import kernel
 from drone_sim.model import TRIANGLE, Model
 
-
 NO_CORNERS = octree.EMPTY.link, octree.EMPTY.corners, *np.empty((2, 0), np.int64)  # of a scene without meshes
 
 

@@ -107,8 +107,9 @@ def of(model: Model) -> Terrain | None:
 @cache
 def _read(path: Path, pose: tuple[float, ...]) -> Terrain:
     vertices, faces = mesh.surface(path)
-    turned = rotate_all(np.tile(pose[3:], (len(vertices), 1)), vertices) if pose[3:] != (0.0, 0.0, 0.0, 1.0) else vertices
-    return build(turned + pose[:3], faces, path)
+    if pose[3:] != (0.0, 0.0, 0.0, 1.0):
+        vertices = rotate_all(np.tile(pose[3:], (len(vertices), 1)), vertices)
+    return build(vertices + pose[:3], faces, path)
 
 
 def build(vertices: Floats, faces: Integers, path: Path) -> Terrain:
@@ -182,7 +183,8 @@ def _ridges(vertices: Floats, faces: Integers, normal: Floats) -> Floats:
 def _spread(low: Floats, high: Floats, frame: Floats) -> tuple[Integers, Integers]:
     """The cells that rectangles overlap, and the rectangle of each."""
     size = frame[3:5].astype(int)
-    first, last = (np.clip(np.floor((corner - frame[:2]) * frame[2]).astype(int), 0, size - 1) for corner in (low, high))
+    first, last = (np.clip(np.floor((corner - frame[:2]) * frame[2]).astype(int), 0, size - 1)
+                   for corner in (low, high))
     cells = [(np.arange(first[i, 1], last[i, 1] + 1)[:, None] * size[0]
               + np.arange(first[i, 0], last[i, 0] + 1)).ravel() for i in range(len(low))]
     counts = [len(some) for some in cells]
