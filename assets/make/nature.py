@@ -12,6 +12,8 @@ STRIP = 7.0  # m from the coast, where the meadow ends
 STEP = 2 * np.pi / 96
 ANGLES = np.arange(96, dtype=np.float64) * STEP
 PATH_WIDTH = 2.0
+KNOLLS = ((-24, -10, 10, 0.70), (-20, 17, 9.5, 0.55), (5, -26, 9, 0.50), (22, 19, 7.5, 0.45))  # x, y, radius, height; m
+SWELL = (18.8, 21.5, 24.2, 26.9, 29.6, 32.1)  # m, further rings of the meadow, which are no end of a path
 # Headings, as multiples of the step, and how far the paths reach from the middle; None is to the beach.
 PATHS = ((24 * STEP, 10.6), (89 * STEP, 15.4), (65 * STEP, 16.6), (5.5 * STEP, 34.5), (51 * STEP, None))
 
@@ -23,14 +25,37 @@ def coast(angle: Array) -> Array:
 
 
 def island() -> Model:
-    """Flat land at z = 0: a paved square, a meadow with paths, a strip where the meadow ends; then a beach."""
+    """A paved square at z = 0, a meadow with paths and low knolls, a strip where the meadow ends; then a beach, from
+    which two rocks reach into the sea. Bodies stand on it, so what looks up has no gaps."""
     edge = coast(ANGLES)
     rings = [_bent(np.full(len(ANGLES), radius)) for radius in (SQUARE + CURB, SQUARE, 0.2 * SQUARE)]
     paving = surface(rings[1:], "cobbles", closed=True, caps=(False, True))
     curb = surface(rings[:2], "stone", closed=True)
     slope = [(0.0, 0.0), (2.5, -0.08), (7.0, -0.40), (16.0, -2.2)]
     beach = surface([_row(edge + out, z) for out, z in slope[::-1]] + [_row(edge - 2.0)], "sand", closed=True)
-    return [paving.boxed(), curb.boxed(), *_meadow(edge - STRIP), _shore(edge), beach.boxed()]
+    rocks = [_headland(7, 153, 46.5, (9.0, 6.5), 1.25), _headland(8, 24, 50.0, (7.0, 5.0), 0.45)]
+    return [paving.boxed(), curb.boxed(), *_meadow(edge - STRIP), _shore(edge), beach.boxed(), *rocks]
+
+
+def _headland(seed: int, heading: float, away: float, size: tuple[float, float], height: float) -> Part:
+    """A sheet of rock over the coast, its middle `away` m from the island's in a direction in degrees: nearly flat on
+    top, cut by planes around, its rim below the sand. size: m outwards and along the coast."""
+    rng = np.random.default_rng(seed)
+    count = 26
+    rows = []
+    for share, rise in ((1.0, -2.0), (0.90, -0.8), (0.80, 0.45), (0.70, 0.80), (0.50, 0.92), (0.25, 1.0)):
+        ring = circle(count) * share * rng.uniform(0.93, 1.07, (count, 1)) * size
+        z = height * rise if rise > 0 else rise
+        rows.append(np.column_stack([ring, z + min(share, 0.8) * rng.uniform(-0.12, 0.12, count)]))
+    sheet = surface(rows, "rock", closed=True, caps=(False, True), crease=0.45)
+    turn = np.radians(heading)
+    return sheet.moved((away * np.cos(turn), away * np.sin(turn), 0), yaw=turn).boxed()
+
+
+def knolls(x: Array, y: Array) -> Array:
+    """How high the meadow is, m."""
+    far = [((x - cx) ** 2 + (y - cy) ** 2) / radius**2 for cx, cy, radius, _ in KNOLLS]
+    return np.asarray(sum(high * np.maximum(1 - d, 0.0) ** 2 for d, (*_, high) in zip(far, KNOLLS, strict=True)))
 
 
 def _row(radius: float | Array, z: float = 0.0) -> Array:
@@ -40,7 +65,7 @@ def _row(radius: float | Array, z: float = 0.0) -> Array:
 
 def _meadow(end: Array) -> Model:
     """Grass from the curb to `end`, cut by paths: straight, equally wide, each from the square to its own end."""
-    stops = sorted({reach for _, reach in PATHS if reach is not None})
+    stops = sorted({*SWELL, *(reach for _, reach in PATHS if reach is not None)})
     start = SQUARE + CURB
     radii = [np.full(len(ANGLES), radius) for radius in (start, *stops)] + [end]
     rows = np.array([_bent(radius) for radius in radii])
@@ -54,11 +79,9 @@ def _meadow(end: Array) -> Model:
         far = radii_of(rows[: count + 1, middle])[:, None] / 2.5
         uv = np.dstack(np.broadcast_arrays(np.array([0.0, 0.5, 1.0]), far))
         parts.append(surface(rows[: count + 1, columns][::-1], "path", uv=uv[::-1]))
-    for ring in range(len(radii) - 1):
-        sheet = surface(rows[ring : ring + 2][::-1], "grass", closed=True)
-        free = np.repeat(~covered[ring], 2)
-        parts.append(Part(sheet.corners[free], sheet.uv[free], "grass").boxed())
-    return parts
+    sheet = surface(rows[::-1], "grass", closed=True)
+    free = np.repeat(~covered[::-1].ravel(), 2)
+    return [*parts, Part(sheet.corners[free], sheet.uv[free], "grass").boxed()]
 
 
 def radii_of(points: Array) -> Array:
@@ -75,7 +98,8 @@ def _bent(radius: Array) -> Array:
         for side in (-1, 1):
             near = [(middle + side * k) % len(ANGLES) for k in range(5)]
             angle[near] = heading + side * np.interp(np.arange(5), [0, 1, 4], [0.0, half, 4 * STEP])
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(len(ANGLES))])
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    return np.column_stack([x, y, knolls(x, y)])
 
 
 def _shore(edge: Array) -> Part:

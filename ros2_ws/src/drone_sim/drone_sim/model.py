@@ -5,6 +5,7 @@ point, whose motion is simulated, is the centre of its box, taken as its centre 
 its surface encloses.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -24,6 +25,7 @@ SPHERE, OBB, OCTREE, TRIANGLE = range(4)  # collision levels, as drone_interface
 NOT_AT_ALL, UNSAID = -1, -2  # instead of a level: the two pass through each other; somebody else decides
 LEVELS = {"none": NOT_AT_ALL, "sphere": SPHERE, "obb": OBB, "octree": OCTREE, "triangle": TRIANGLE}
 MEETING = get_args(MeetingLevel)
+FLAT_OR_NOT = ("floor", "ground")  # words of what carries everything
 THINNEST, THICKEST = 1e-6, 1e6  # m; sides of what moves, so that its inertia is neither zero nor infinite
 
 
@@ -50,7 +52,8 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Floor:
-    """A horizontal plane that carries everything above it."""
+    """A horizontal plane that carries everything above it; or, with a height of -inf, the scene's ground, which is as
+    high as its model."""
 
     body: int
     height: float  # m
@@ -108,6 +111,7 @@ class Model:
     paths: tuple[Path, ...]  # (n,) of the bodies' models
     meeting: Meeting
     floors: tuple[Floor, ...]
+    ground: int | None  # the body that is uneven ground
     drones: Drones
     rotors: Rotors
     fixed: Fixed
@@ -126,7 +130,9 @@ def build(scene: Scene) -> Model:
         bodies=_bodies(scene, body_names, level),
         paths=tuple(scene.model_path(name) for name in body_names),
         meeting=_meeting(scene, body_names),
-        floors=tuple(Floor(i, objects[name].pose[2]) for i, name in enumerate(body_names) if level[name] == "floor"),
+        floors=tuple(Floor(i, objects[name].pose[2] if level[name] == "floor" else -math.inf)
+                     for i, name in enumerate(body_names) if level[name] in FLAT_OR_NOT),
+        ground=next((i for i, name in enumerate(body_names) if level[name] == "ground"), None),
         drones=_drones(objects, body_names, drone_names),
         rotors=Rotors(
             names=tuple(rotor_names),

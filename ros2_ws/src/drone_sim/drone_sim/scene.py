@@ -36,7 +36,7 @@ class Rates(Strict):
 
 Contacts = Literal["first", "all"]
 MeetingLevel = Literal["sphere", "obb", "octree", "triangle"]  # each refines the one before
-Level = Literal["none", "floor", MeetingLevel]
+Level = Literal["none", "floor", "ground", MeetingLevel]
 
 
 class Pair(Strict):
@@ -48,7 +48,8 @@ class Pair(Strict):
 
 
 class Collision(Strict):
-    """How contacts are found. Level 'none' is for what touches nothing, 'floor' for a horizontal plane."""
+    """How contacts are found. Level 'none' is for what touches nothing, 'floor' for a horizontal plane,
+    'ground' for the upper surface of a model."""
 
     level: Level = "obb"
     contacts: Contacts = "all"  # 'first': the deepest point of a pair alone
@@ -179,8 +180,11 @@ class Scene(Strict):
     @model_validator(mode="after")
     def _floors(self) -> Self:
         for name, thing in self.objects.items():
-            if thing.mass is not None and self.level(name) == "floor":
-                raise ValueError(f"objects.{name}.collision.level: a 'floor' does not move, so it has no 'mass'")
+            level = self.level(name)
+            if thing.mass is not None and level in ("floor", "ground"):
+                raise ValueError(f"objects.{name}.collision.level: a '{level}' does not move, so it has no 'mass'")
+        if len(grounds := [name for name in self.objects if self.level(name) == "ground"]) > 1:
+            raise ValueError(f"objects.{grounds[1]}.collision.level: '{grounds[0]}' is the scene's 'ground' already")
         return self
 
     @model_validator(mode="after")

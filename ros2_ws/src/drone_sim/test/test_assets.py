@@ -10,7 +10,9 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from drone_sim import mesh
+from drone_sim import mesh, model
+from drone_sim.collision import terrain
+from drone_sim.model import FLAT_OR_NOT
 from drone_sim.scene import Scene, load
 
 ASSETS = Path(__file__).resolve().parents[2] / "drone_assets"
@@ -57,7 +59,7 @@ def distance(box: Box, points: Array) -> Array:
 def solid(scene: Scene) -> dict[str, Box]:
     """The boxes of everything that can be hit at its sides."""
     names = [name for name, thing in scene.objects.items()
-             if thing.parent is None and scene.level(name) not in ("none", "floor")]
+             if thing.parent is None and scene.level(name) not in ("none", *FLAT_OR_NOT)]
     return {name: box_of(scene, name) for name in names}
 
 
@@ -67,7 +69,7 @@ def test_scene_is_whole(name: str) -> None:
     assert scene.cameras
     assert scene.lights
     assert "user_drone" in scene.objects
-    assert any(scene.level(name) == "floor" for name in scene.objects)
+    assert any(scene.level(name) in FLAT_OR_NOT for name in scene.objects)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -83,9 +85,22 @@ def test_nothing_overlaps_at_the_start(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_sinks_into_the_floor(name: str) -> None:
     scene = load(ASSETS / "scenes" / f"{name}.yaml")
-    lowest = {key: centre[2] - np.abs(axes[2]) @ half for key, (centre, axes, half) in solid(scene).items()}
-    floor = max(thing.pose[2] for name, thing in scene.objects.items() if scene.level(name) == "floor")
-    assert [key for key, z in lowest.items() if z < floor - 1e-3 and not scene.objects[key].static] == []
+    land = terrain.of(model.build(scene))
+    floor = max((thing.pose[2] for name, thing in scene.objects.items() if scene.level(name) == "floor"), default=None)
+    for key, (centre, axes, half) in solid(scene).items():
+        under = floor if land is None else terrain.below(land.frame, land.start, land.entry, land.face, *centre[:2])[1]
+        if not scene.objects[key].static:
+            assert centre[2] - np.abs(axes[2]) @ half > under - 1e-3, key
+
+
+def test_what_grows_on_the_island_stands_on_it() -> None:
+    scene = load("island")
+    land = terrain.of(model.build(scene))
+    assert land is not None
+    for name, thing in scene.objects.items():
+        if thing.static and thing.model in ("palm", "pine", "bush", "rock_round", "rock_flat"):
+            _, height = terrain.below(land.frame, land.start, land.entry, land.face, *thing.pose[:2])
+            assert -0.12 < thing.pose[2] - height < 0.005, name
 
 
 @pytest.mark.parametrize("name", SCENES)

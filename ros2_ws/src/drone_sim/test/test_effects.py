@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drone_sim.collision.terrain import NOTHING
 from drone_sim.effects import ground_effect, water
 from drone_sim.effects.disks import disks
 from drone_sim.effects.submerged import ROWS, submerged
@@ -73,8 +74,8 @@ def test_each_rotor_gains_over_the_floor_below_it() -> None:
     def lifted(height: float, roll: float = 0.0, floors: tuple[float, ...] = (-3.0, 0.0)) -> tuple[np.ndarray, ...]:
         place, axis = np.array([[0.2, 0.1, 0.05]]), np.array([[0.0, 0.0, 1.0]])
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
-        ground_effect.lift(np.array(floors), np.zeros(1, np.int64), place, axis, np.array([0.1]), np.array([3.0]),
-                           np.array([[0.0, 0.0, height]]),
+        ground_effect.lift(np.array(floors), *NOTHING, np.zeros(1, np.int64), place, axis, np.array([0.1]),
+                           np.array([3.0]), np.array([[0.0, 0.0, height]]),
                            np.array([[math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)]]),
                            np.zeros((1, 3)), np.empty((0, 3)), 1.225, force, torque)
         return force[0], torque[0]

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import grid, meshes, narrow
+from drone_sim.collision import grid, meshes, narrow, terrain
+from drone_sim.collision.footing import MORE_CONTACTS, MOST, Footing, stand
 from drone_sim.collision.grid import bound, bounds, crowd, find_pairs
 from drone_sim.collision.impacts import Impacts
 from drone_sim.collision.levels import Levels, lookup
-from drone_sim.collision.manifold import BOXES, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
+from drone_sim.collision.manifold import BOXES, GROUND, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
 from drone_sim.collision.narrow import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
 from drone_sim.collision.octree import Octree
 from drone_sim.collision.sweep import fast
@@ -79,7 +80,7 @@ def touch(count, position, axes, half, ordered, floor_height, level, everything,
     end[BOXES] = found
     found = find_others(count[PAIRS], position, axes, half, ordered[0], ordered[1], floor_height, level, everything,
                         margin, pair, points, normal, point, separation, feature, met, found)
-    end[OTHERS] = end[MESHES] = end[SWEPT] = found
+    end[OTHERS] = end[GROUND] = end[MESHES] = end[SWEPT] = found
     anchor(0, found, pair, points, point, position, anchors)
     return 0
 
@@ -115,6 +116,11 @@ class Detection:
         half = bodies.half.copy()
         half[self._planes] = np.inf
         self._floor_of[self._planes] = [plane.height for plane in model.floors]
+        land = terrain.of(model)
+        self._footing = None if land is None or model.ground is None else Footing(land, model.ground)
+        self._top: Floats = self._floor_of.copy()  # of floors, m
+        if self._footing:
+            self._top[self._footing.body] = self._footing.terrain.frame[6]
         self._now = Placed(np.arange(n), state.position_w, state.orientation_w, self.axes, half)
         self._impacts = Impacts(bodies.half, dt)
         self._quick: Booleans = np.zeros(n, np.bool_)
@@ -138,9 +144,10 @@ class Detection:
     def stages(self) -> tuple[Stage, ...]:
         """Those of a step; a scene without meshes has none for them."""
         fine = (Stage("mesh contacts", any_fine, (self._count,), self._find_fine),) if self.levels.uses_meshes else ()
+        ground = (Stage("ground contacts", stand, self._ground_arguments, self._more_room),) if self._footing else ()
         return (Stage("keep", keep, self._keep_arguments),
                 Stage("broad phase", approach, self._broad_arguments, self._attend),
-                Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *fine,
+                Stage("contacts", touch, self._contact_arguments, self._more_manifolds), *ground, *fine,
                 Stage("impacts", any_ahead, (self._count,), self._find_ahead),
                 Stage("warm start", carry_over, self._warm_arguments))
 
@@ -176,6 +183,14 @@ class Detection:
                 self._level, self._everything, self._margin, *self._scratch, m.end, m.pair, m.points, m.normal_w,
                 m.point_w, m.anchor_w, m.separation, m.feature, m.level)
 
+    def _ground_arguments(self) -> tuple[Any, ...]:
+        assert self._footing
+        m = self.manifolds
+        return (self._count, m.end, self._state.position_w, self.axes, self._now.half, self._low, self._high,
+                self._grid.ordered, self._level, self._everything, self._margin,
+                *self._footing.tables(self._meshes.corners if self._meshes else meshes.NO_CORNERS), m.pair, m.points,
+                m.normal_w, m.point_w, m.anchor_w, m.separation, m.feature, m.level)
+
     def _warm_arguments(self) -> tuple[Any, ...]:
         m = self.manifolds
         return (m.end, m.pair, m.points, m.normal_w, m.point_w, m.feature, m.impulse, m.friction,
@@ -207,7 +222,7 @@ class Detection:
         self._quick[:] = False
         self.sleeping[:] = bodies.movable & ~self._state.is_awake
         self._low[self._planes], self._high[self._planes] = -np.inf, np.inf
-        self._high[self._planes, 2] = self._floor_of[self._planes]
+        self._high[self._planes, 2] = self._top[self._planes]
         self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._state.is_awake))
         self._binned[:] = s.awake
 
@@ -243,6 +258,15 @@ class Detection:
         self.bind()
         return "contacts"
 
+    def _more_room(self, code: int) -> str:
+        assert self._footing
+        if code == MORE_CONTACTS:
+            self._footing.grow()
+        else:
+            self.manifolds = self.manifolds.with_room(MOST * int(self._count[PAIRS]))
+        self.bind()
+        return "ground contacts"
+
     def _pairs(self) -> Pairs:
         """Those of the step."""
         k = self._count[PAIRS]
@@ -255,7 +279,7 @@ class Detection:
         self._append_fine(self._now, self._pairs())
         m = self.manifolds
         m.end[MESHES] = m.end[SWEPT]
-        anchor(m.end[OTHERS], m.count, m.pair, m.points, m.point_w, self._state.position_w, m.anchor_w)
+        anchor(m.end[GROUND], m.count, m.pair, m.points, m.point_w, self._state.position_w, m.anchor_w)
         if m is not before:
             self.bind()
 

@@ -8,15 +8,15 @@ from drone_sim.arrays import Floats, Integers
 from drone_sim.kernel import kernel
 
 POINTS = 8  # of a manifold, at most
-BOXES, OTHERS, MESHES, SWEPT = range(4)  # the parts that manifolds stand in
-PARTS = 4
+BOXES, OTHERS, GROUND, MESHES, SWEPT = range(5)  # the parts that manifolds stand in
+PARTS = 5
 SAME_SIDE = 0.9  # cosine of the angle up to which a contact is still that of the step before
 
 
 class Manifolds:
-    """Contacts between bodies a < b, in parts: those of boxes, then of spheres and floors, of meshes, of which a pair
-    may have several, and of fast bodies; each part in the order of (a, b). Beyond `points[i]` points of manifold i hold
-    nothing."""
+    """Contacts between bodies a < b, in parts: those of boxes, then of spheres and floors, of uneven ground and of
+    meshes, of which a pair may have several, and of fast bodies; each part in the order of (a, b). Beyond `points[i]`
+    points of manifold i hold nothing."""
 
     def __init__(self, capacity: int) -> None:
         self.end: Integers = np.zeros(PARTS, np.int64)  # where each part ends

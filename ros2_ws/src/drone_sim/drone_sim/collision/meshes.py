@@ -18,6 +18,8 @@ from drone_sim.collision.shape import Shape
 from drone_sim.kernel import kernel
 from drone_sim.model import TRIANGLE, Model
 
+NO_CORNERS = octree.EMPTY.link, octree.EMPTY.corners, *np.empty((2, 0), np.int64)  # of a scene without meshes
+
 
 class Raw(NamedTuple):
     """Contacts of one pair, and room to work in."""
@@ -132,6 +134,11 @@ class Meshes:
         self._normals, self._owned = (np.concatenate(parts) for parts in
                                       zip(*(shape.surface for shape in shapes), strict=True))
         self._spare, self._raw = traversal.scratch(), _raw(1024, 256)
+
+    @property
+    def corners(self) -> tuple[NDArray[np.int32], Floats, Integers, Integers]:
+        """What is needed to place a body's corners: the trees' links, corners, which are owned, and the roots."""
+        return self.tree.link, self.tree.corners, self._owned, self.roots
 
     def find(self, manifolds: Manifolds, placed: Placed, pair_a: Integers, pair_b: Integers, floor_height: Floats,
              level: Integers, everything: Integers, margin: Floats) -> Manifolds:

@@ -43,16 +43,17 @@ def reduce(count, normal, point, separation, feature, most, most_points, free, s
                 spread[i] = 1e300 if like else -1e300
             else:
                 spread[i] = -1e300
-        out_points[made] = _pick(count, point, separation, feature, most_points, seed, spread, out_point[made],
-                                 out_separation[made], out_feature[made])
+        out_points[made] = pick(count, point, separation, feature, most_points, seed, spread, DEPTH_WORTH,
+                                out_point[made], out_separation[made], out_feature[made])
         made += 1
     return made
 
 
 @kernel
-def _pick(count, point, separation, feature, most, seed, spread, out_point, out_separation, out_feature):
+def pick(count, point, separation, feature, most, seed, spread, worth_of_depth, out_point, out_separation,
+         out_feature):
     """Writes the points of one group, each the farthest from those before; spread: squared distance from them,
-    negative for contacts of other groups."""
+    negative for contacts of other groups; worth_of_depth: of one m of depth, in m from the other points."""
     picked, last = 0, seed
     while True:
         for k in range(3):
@@ -69,7 +70,7 @@ def _pick(count, point, separation, feature, most, seed, spread, out_point, out_
             for k in range(3):
                 square += (0.5 * (point[i, 0, k] + point[i, 1, k]) - out_point[picked - 1, k]) ** 2
             spread[i] = min(spread[i], square)
-            value = spread[i] ** 0.5 - DEPTH_WORTH * (separation[i] - separation[seed])
+            value = spread[i] ** 0.5 - worth_of_depth * (separation[i] - separation[seed])
             if value > worth and spread[i] > SAME * SAME:
                 best, worth = i, value
         if best < 0:

@@ -2,8 +2,8 @@
 
 Cheeseman, Bennett 1955, The Effect of the Ground on a Helicopter Rotor in Forward Flight (ARC R&M 3021), with z the
 rotor's height, V its speed along the ground, and v_i = sqrt(T / (2 rho pi R^2)) from momentum theory. Each rotor for
-itself, over the scene's floors; other things below it do not count. Measurements begin at z = R / 2, where the gain
-is a third; closer, it is taken as there.
+itself, over the scene's floors and ground; other things below it do not count. Measurements begin at z = R / 2, where
+the gain is a third; closer, it is taken as there.
 """
 
 import math
@@ -11,6 +11,8 @@ import math
 import numpy as np
 from pydantic import Field
 
+from drone_sim.collision import terrain
+from drone_sim.collision.terrain import below
 from drone_sim.effects import Setting, Stages
 from drone_sim.effects.disks import disks
 from drone_sim.kernel import kernel
@@ -36,8 +38,10 @@ def gain(radius, height, speed, induced):
 
 
 @kernel
-def lift(floors, body, place, axis, radius, thrust, position, orientation, velocity, air, density, force, torque):
-    """Adds what r rotors gain to force and torque (n, 3). floors: (f,) heights in m; air: (n, 3) m/s, or (0, 3)."""
+def lift(floors, frame, start, entry, face, body, place, axis, radius, thrust, position, orientation, velocity, air,
+         density, force, torque):
+    """Adds what r rotors gain to force and torque (n, 3). floors: (f,) heights in m; frame to face: as Terrain has
+    them, or empty; air: (n, 3) m/s, or (0, 3)."""
     for r in range(body.shape[0]):
         if thrust[r] <= 0.0:
             continue
@@ -54,6 +58,11 @@ def lift(floors, body, place, axis, radius, thrust, position, orientation, veloc
         height = math.inf
         for f in range(floors.shape[0]):
             above = position[i, 2] + pz - floors[f]
+            if 0.0 <= above < height:
+                height = above
+        if frame.shape[0]:
+            _, ground = below(frame, start, entry, face, position[i, 0] + px, position[i, 1] + py)
+            above = position[i, 2] + pz - ground
             if 0.0 <= above < height:
                 height = above
         if height == math.inf:
@@ -77,8 +86,10 @@ def build(parameters: Parameters, setting: Setting) -> Stages:
     if not model.rotors.names:
         return Stages(idle="no drone in the scene has rotors")
     if not model.floors:
-        return Stages(idle="no floor in the scene")
-    floors = np.array([floor.height for floor in model.floors], np.float64)
+        return Stages(idle="no floor or ground in the scene")
+    floors = np.array([floor.height for floor in model.floors if math.isfinite(floor.height)], np.float64)
+    land = terrain.of(model)
+    tables = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
     return Stages(force=(Stage("ground_effect", lift, (
-        floors, *disks(model, parameters.radius), forces.thrust, s.position_w, s.orientation_w, s.velocity_w,
+        floors, *tables, *disks(model, parameters.radius), forces.thrust, s.position_w, s.orientation_w, s.velocity_w,
         forces.air_w, parameters.density, forces.force_w, forces.torque_w)),))
