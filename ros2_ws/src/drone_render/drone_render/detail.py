@@ -138,7 +138,8 @@ def _collapse(
 
     # A place may move if each of its vertices has one at the target to become; along a border only on the border.
     vertices = np.bincount(place[np.unique(faces)], minlength=count)
-    movable = (np.bincount(edge_of, minlength=len(shared)) == vertices[source]) & ~kept[source] & (shared <= 2)
+    moved_by = np.unique(edge_of * np.int64(len(points)) + u) // len(points)  # each of them once, however many it has
+    movable = (np.bincount(moved_by, minlength=len(shared)) == vertices[source]) & ~kept[source] & (shared <= 2)
     border = np.zeros(count, bool)
     border[source[shared != 2]] = True
     movable &= ~(border[source] & (shared == 2))

@@ -68,3 +68,19 @@ def test_blocks_share_out_all_triangles() -> None:
     found = detail.blocks(mesh.vertices, mesh.faces)
     assert len(found) > 8 and max(map(len, found)) <= detail.BLOCK
     assert sorted(np.concatenate(found).tolist()) == list(range(len(mesh.faces)))
+
+
+def test_no_hole_opens_where_vertices_are_doubled() -> None:
+    """A ball whose triangles take this or that of two vertices at each place: seams run everywhere, and end anywhere."""
+    mesh = trimesh.creation.icosphere(4)
+    lots = np.random.default_rng(5)
+    doubled = lots.random(len(mesh.vertices)) < 0.3
+    second = (lots.random(mesh.faces.shape) < 0.5) & doubled[mesh.faces]
+    position = np.vstack([mesh.vertices, mesh.vertices])
+    faces = np.where(second, mesh.faces + len(mesh.vertices), mesh.faces).astype(np.int32)
+    found = detail.levels(position, position, np.zeros((len(position), 2)), faces, np.zeros(len(position), bool))
+    assert len(found) > 2
+    for level in found:
+        around = level.faces % len(mesh.vertices)
+        edges = np.sort(np.vstack([around[:, [0, 1]], around[:, [1, 2]], around[:, [2, 0]]]), axis=1)
+        assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
