@@ -19,7 +19,7 @@ from drone_render.view import Array
 from drone_sim.look import Render
 from drone_sim.mesh import Model
 
-TOLERANCE = 1.5  # pixels that a level of detail may be off by
+TOLERANCE = 1.4  # pixels that a level of detail may be off by
 
 
 class Seen(NamedTuple):

@@ -71,7 +71,7 @@ def test_blocks_share_out_all_triangles() -> None:
 
 
 def test_no_hole_opens_where_vertices_are_doubled() -> None:
-    """A ball whose triangles take one or the other of two vertices at a place: seams run everywhere, and end anywhere."""
+    """A ball whose triangles take this or that of two vertices at a place: seams run and end anywhere."""
     mesh = trimesh.creation.icosphere(4)
     lots = np.random.default_rng(5)
     doubled = lots.random(len(mesh.vertices)) < 0.3
