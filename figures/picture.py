@@ -11,6 +11,7 @@ from typing import Any
 
 from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont, ImageOps
+from style import INK
 
 from drone_render import context
 from drone_render.image import Picture
@@ -21,7 +22,6 @@ from drone_sim.arrays import Floats
 from drone_sim.markers import Markers
 from drone_sim.scene import OwnCollision, Scene, load
 from drone_sim.world import World
-from style import INK
 
 OUT = Path(__file__).parents[1] / "docs" / "figures"
 SIZE, QUALITY = (1280, 720), 90  # pixels; of the JPEG
@@ -134,8 +134,8 @@ def person() -> Image.Image:
 def eyes() -> Image.Image:
     """What the pilot sees."""
     scene = island("parent: person, pose: [0.16, 0, 1.66], look_at: user_drone, fov: 1.1")
-    return draw(scene, {"user_drone": (-1.55, 3.75, 2.16, 0.22, 0.12, 0.3), "ai_drone": (0.2, 2.75, 2.75, 0.0, 0.1, 2.4)},
-                time=12.0)
+    return draw(scene, {"user_drone": (-1.55, 3.75, 2.16, 0.22, 0.12, 0.3),
+                        "ai_drone": (0.2, 2.75, 2.75, 0.0, 0.1, 2.4)}, time=12.0)
 
 
 def debug() -> Image.Image:
@@ -162,7 +162,7 @@ def debug() -> Image.Image:
 def night() -> Image.Image:
     """The drone lights the wall of the cottage at nightfall."""
     scene = island("pose: [-0.80, 6.7, 1.15, 0, -0.17, 1.10], fov: 1.05", daylight=0.14)
-    return draw(brighter(scene, "lamp", 3.0, 2.0), {"user_drone": (0.36, 9.4, 1.82, 0.06, 0.05, 1.35)}, time=3.0)
+    return draw(brighter(scene, "lamp", 4.0, 1.5), {"user_drone": (0.42, 9.6, 1.76, 0.06, 0.05, 1.35)}, time=3.0)
 
 
 FIGURES: dict[str, Callable[[], Image.Image]] = {
