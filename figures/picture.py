@@ -9,7 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
+from matplotlib.font_manager import findfont
+from PIL import Image, ImageDraw, ImageFont, ImageOps
+from style import INK
 
 from drone_render import context
 from drone_render.image import Picture
@@ -70,52 +72,70 @@ def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: floa
             poses[row, 5:] = math.sin(angle / 2), math.cos(angle / 2)
 
 
+def label(picture: Image.Image, text: str) -> None:
+    """Writes into the lower left corner."""
+    pen, font = ImageDraw.Draw(picture), ImageFont.truetype(findfont("DejaVu Sans"), 26)
+    left, top, right, bottom = pen.textbbox((28, picture.height - 28), text, font, "ls")
+    pen.rectangle((left - 12, top - 10, right + 12, bottom + 10), "white")
+    pen.text((28, picture.height - 28), text, INK, font, "ls")
+
+
 def both_drones() -> Image.Image:
-    """Both drones above the village."""
-    scene = island("pose: [-3.0, -2.6, 4.9, 0, 0.13, 0.60], fov: 1.15")
-    return draw(scene, {"user_drone": (-1.45, -1.15, 4.42, 0.06, 0.10, 0.35),
-                        "ai_drone": (-0.65, -2.05, 4.92, -0.10, 0.08, 0.95)}, time=4.0)
+    """Both drones above the village, from the front."""
+    scene = island("pose: [-20, -10, 11, 0, 0.19, 0.38], fov: 1.05")
+    return draw(scene, {"user_drone": (-18.28, -8.81, 10.72, -0.06, 0.14, 3.25),
+                        "ai_drone": (-17.37, -9.78, 10.98, 0.12, 0.10, 2.8)}, time=4.0)
 
 
 def clouds() -> Image.Image:
     """The clouds at two times, on one sheet."""
-    scene = island("pose: [-16, -10, 1.7, 0, -0.32, 0.55], fov: 1.2")
+    scene = island("pose: [7, 2, 1.7, 0, -0.30, 0.50], fov: 1.2")
     whole = Image.new("RGB", SIZE, "white")
     for i, time in enumerate((0.0, 20.0)):
-        half = draw(scene, time=time).resize((SIZE[0], SIZE[1]))
-        whole.paste(half.crop((SIZE[0] // 4 + 2, 0, 3 * SIZE[0] // 4 - 2, SIZE[1])), (i * (SIZE[0] // 2 + 4), 0))
+        half = draw(scene, time=time).crop((SIZE[0] // 4 + 2, 0, 3 * SIZE[0] // 4 - 2, SIZE[1]))
+        label(half, f"{time:.0f} s")
+        whole.paste(half, (i * (SIZE[0] // 2 + 4), 0))
     return whole
 
 
 def specular() -> Image.Image:
     """The screen's light on the drone before it, in the evening."""
-    scene = island("pose: [3.15, -1.40, 1.06, 0, 0.22, 1.50], fov: 1.05", daylight=0.12)
-    scene = brighter(scene, "screen", 1.8, 2.5)
-    return draw(scene, {"user_drone": (3.02, -0.1, 0.80, -0.12, 0.10, -0.25)}, time=2.0)
+    scene = island("pose: [2.85, -1.20, 1.02, 0, 0.19, 1.32], fov: 1.05", daylight=0.12)
+    return draw(brighter(scene, "screen", 2.0, 2.5), {"user_drone": (3.02, -0.05, 0.80, -0.04, 0.08, -0.35)}, time=2.0)
 
 
 def pushed() -> Image.Image:
-    """The drone has flown into the television and pushes it along."""
+    """The drone has flown into the television off its middle, turns it and pushes it along; inset: just before."""
     scene = load("island")
     world = World(scene)
-    for _ in range(int(5.0 * scene.rates.physics)):
-        world.step({"user_drone": (1.6, 0.0, 0.0, 0.0)})
-    x, y, z = world.pose("user_drone")[:3]
-    camera = f"pose: [{x - 0.75:.3f}, {y - 1.25:.3f}, {z + 0.75:.3f}, 0, 0.36, 0.88], fov: 1.0"
-    return draw(island(camera), time=5.0, world=world)
+    for _ in range(round(scene.rates.physics)):
+        world.step({"user_drone": (0.0, -0.5, 0.0, 0.0)})
+    shots = []
+    for seconds, size in ((1.7, (SIZE[0] // 3, SIZE[1] // 3)), (2.8, SIZE)):
+        for _ in range(round(seconds * scene.rates.physics)):
+            world.step({"user_drone": (2.5, 0.0, 0.0, 0.0)})
+        x, y, z = world.pose("user_drone")[:3]
+        camera = f"pose: [{x - 0.80:.3f}, {y + 1.30:.3f}, {z + 0.50:.3f}, 0, 0.22, -1.00], fov: 1.05"
+        shot = draw(island(camera), time=world.time, world=world).resize(size, Image.Resampling.LANCZOS)
+        label(shot, f"{world.time:.1f} s")
+        shots.append(shot)
+    small, picture = shots
+    picture.paste(ImageOps.expand(small, 3, "white"), (SIZE[0] - small.width - 26, 20))
+    return picture
 
 
 def person() -> Image.Image:
-    """The pilot, seen by a camera beside the drone's."""
-    scene = island("pose: [-1.75, 1.15, 1.35, 0, -0.03, 2.55], fov: 1.05")
-    return draw(scene, {"user_drone": (-2.98, 2.40, 1.66, 0.10, 0.08, 2.9)}, time=8.0)
+    """The pilot, seen by a camera of its own."""
+    scene = island("pose: [4, -1, 1.35, 0, -0.09, 0.50], fov: 0.95")
+    return draw(scene, {"person": (6.3, -0.3, 0.0, 0.0, 0.0, 2.9),
+                        "user_drone": (5.69, 0.62, 1.84, 0.04, 0.08, -2.6)}, time=8.0)
 
 
 def eyes() -> Image.Image:
     """What the pilot sees."""
-    scene = island("parent: person, pose: [0.16, 0, 1.66], look_at: user_drone, fov: 1.0")
-    return draw(scene, {"user_drone": (-1.6, 0.9, 1.75, 0.05, -0.06, 0.9), "ai_drone": (1.2, -2.4, 2.75, 0, 0.1, 2.0)},
-                time=12.0)
+    scene = island("parent: person, pose: [0.16, 0, 1.66], look_at: user_drone, fov: 1.1")
+    return draw(scene, {"user_drone": (-1.55, 3.75, 2.16, 0.22, 0.12, 0.3),
+                        "ai_drone": (0.2, 2.75, 2.75, 0.0, 0.1, 2.4)}, time=12.0)
 
 
 def debug() -> Image.Image:
@@ -140,9 +160,9 @@ def debug() -> Image.Image:
 
 
 def night() -> Image.Image:
-    """The drone lights a wall of the brick house."""
-    scene = island("pose: [9.2, -2.7, 2.2, 0, -0.09, -0.52], fov: 1.1", daylight=0.0)
-    return draw(brighter(scene, "lamp", 5.0, 1.6), {"user_drone": (12.9, -5.3, 2.5, 0.03, 0.10, -0.45)}, time=3.0)
+    """The drone lights the wall of the cottage at nightfall."""
+    scene = island("pose: [-0.80, 6.7, 1.15, 0, -0.17, 1.10], fov: 1.05", daylight=0.14)
+    return draw(brighter(scene, "lamp", 4.0, 1.5), {"user_drone": (0.42, 9.6, 1.76, 0.06, 0.05, 1.35)}, time=3.0)
 
 
 FIGURES: dict[str, Callable[[], Image.Image]] = {
