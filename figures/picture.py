@@ -35,13 +35,6 @@ def island(camera: str, **render: Any) -> Scene:
     return scene.with_cameras(f"figure: {{size: [{SIZE[0]}, {SIZE[1]}], {camera}}}")
 
 
-def brighter(scene: Scene, light: str, times: float, reach: float) -> Scene:
-    """The scene with one of its lights so many times as bright, and another reach in m, for figures by night."""
-    words = {"intensity": times * scene.lights[light].intensity, "reach": reach}
-    bright = scene.lights[light].model_copy(update=words)
-    return scene.model_copy(update={"lights": {**scene.lights, light: bright}})
-
-
 def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | None = None) -> Image.Image:
     """What the camera 'figure' sees: objects where the scene has them, at `places`, or where a world has them."""
     graphics = context.create()
@@ -101,7 +94,7 @@ def clouds() -> Image.Image:
 def specular() -> Image.Image:
     """The screen's light on the drone before it, in the evening."""
     scene = island("pose: [2.85, -1.20, 1.02, 0, 0.19, 1.32], fov: 1.05", daylight=0.12)
-    return draw(brighter(scene, "screen", 2.0, 2.5), {"user_drone": (3.02, -0.05, 0.80, -0.04, 0.08, -0.35)}, time=2.0)
+    return draw(scene, {"user_drone": (3.02, -0.05, 0.80, -0.04, 0.08, -0.35)}, time=2.0)
 
 
 def pushed() -> Image.Image:
@@ -109,11 +102,11 @@ def pushed() -> Image.Image:
     scene = load("island")
     world = World(scene)
     for _ in range(round(scene.rates.physics)):
-        world.step({"user_drone": (0.0, -0.5, 0.0, 0.0)})
+        world.step({"user_drone": (0.0, -0.4, 0.0, 0.0)})
     shots = []
-    for seconds, size in ((1.7, (SIZE[0] // 3, SIZE[1] // 3)), (2.8, SIZE)):
+    for seconds, size in ((2.1, (SIZE[0] // 3, SIZE[1] // 3)), (1.0, SIZE)):
         for _ in range(round(seconds * scene.rates.physics)):
-            world.step({"user_drone": (2.5, 0.0, 0.0, 0.0)})
+            world.step({"user_drone": (2.0, 0.0, 0.0, 0.0)})
         x, y, z = world.pose("user_drone")[:3]
         camera = f"pose: [{x - 0.80:.3f}, {y + 1.30:.3f}, {z + 0.50:.3f}, 0, 0.22, -1.00], fov: 1.05"
         shot = draw(island(camera), time=world.time, world=world).resize(size, Image.Resampling.LANCZOS)
@@ -162,7 +155,7 @@ def debug() -> Image.Image:
 def night() -> Image.Image:
     """The drone lights the wall of the cottage at nightfall."""
     scene = island("pose: [-0.80, 6.7, 1.15, 0, -0.17, 1.10], fov: 1.05", daylight=0.14)
-    return draw(brighter(scene, "lamp", 4.0, 1.5), {"user_drone": (0.42, 9.6, 1.76, 0.06, 0.05, 1.35)}, time=3.0)
+    return draw(scene, {"user_drone": (0.40, 10.15, 1.78, 0.06, 0.05, 1.35)}, time=3.0)
 
 
 FIGURES: dict[str, Callable[[], Image.Image]] = {
