@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render import daylight
+from drone_render.frame import Sun
 from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
@@ -74,10 +75,12 @@ class Lighting:
         self.colours = np.array([light.colour for light in lights]).reshape(-1, 3)
         self.colours *= np.array([light.intensity for light in lights]).reshape(-1, 1)
         self.falloff = np.array([0.0 if light.reach is None else light.reach**-2 for light in lights])
-        self.parallel = self._sun()
-        """The sun, whose rays are parallel: drawn apart from the other lights."""
-        if self.parallel is not None:
-            self.colours[self.parallel] *= daylight.sun(hierarchy.scene.render.daylight)
+        self._parallel = self._far()
+        self.sun: Sun | None = None
+        """What is drawn apart from the other lights, as its rays are parallel."""
+        if (number := self._parallel) is not None:
+            self.colours[number] *= daylight.sun(hierarchy.scene.render.daylight)
+            self.sun = Sun(self._offsets[number, :3, 3], self.colours[number])
         self._end = self.falloff * DARK / (1 - DARK)  # 1 / m^2, of the distance at which a light has ended
         self._brightness = self.colours.max(axis=1, initial=0.0)
         self.lit = np.array(
@@ -119,13 +122,13 @@ class Lighting:
             width = np.linalg.norm(halves, axis=1)[:, None] / distance
             nearest = turn - np.arcsin(np.minimum(width, 1.0))
             strength = np.where((width < 1) & (nearest >= np.arccos(self._edges)), 0.0, strength)
-        if self.parallel is not None:
-            strength[:, self.parallel] = 0.0
+        if self._parallel is not None:
+            strength[:, self._parallel] = 0.0
         order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]
         counts = (strength > UNSEEN).sum(axis=1)
         return [tuple(lights[:count]) for lights, count in zip(order.tolist(), counts.tolist(), strict=True)]
 
-    def _sun(self) -> int | None:
+    def _far(self) -> int | None:
         """The brightest of the lights that distance does not weaken and that stand far away, or None."""
         away = np.linalg.norm(self._offsets[:, :3, 3], axis=1) > PARALLEL
         free = np.array([parent is None for parent in self._parents], dtype=np.bool_)

@@ -10,7 +10,7 @@ import numpy as np
 from drone_render import daylight, view
 from drone_render.context import Device, packed, waiter
 from drone_render.edges import EdgePass
-from drone_render.frame import Frame, Sun
+from drone_render.frame import Frame
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.image import Picture
 from drone_render.lines import Lines
@@ -76,7 +76,7 @@ class Renderer:
         )
         solid = {row: model for row, model in enumerate(self._models) if not self._is_water[row]}
         self._solid = SolidPass(self._device, render, solid, self._lighting, self._tolerance)
-        has_sun = self._lighting.parallel is not None
+        has_sun = self._lighting.sun is not None
         colours = None if render.sky is None else SkyColours.of(self._device, render.sky, render.daylight)
         self._water = None
         if render.water is not None and self._is_water.any():
@@ -120,13 +120,10 @@ class Renderer:
     def _frame(self, name: str, world: Array, time: float) -> Frame:
         camera = self.scene.cameras[name]
         place = self.hierarchy.camera(name, world, time)
-        sun = None
-        if (number := self._lighting.parallel) is not None:
-            sun = Sun(self._lighting.places(world)[number, :3, 3], self._lighting.colours[number])
         clip = view.projection(camera) @ view.view(place)
         half = math.tan(camera.fov / 2)
         tangents = half, half * camera.size[1] / camera.size[0]
-        return Frame(time, place, clip, tangents, 2 * half / camera.size[0], sun)
+        return Frame(time, place, clip, tangents, 2 * half / camera.size[0], self._lighting.sun)
 
     def draw(self, name: str, poses: Array, time: float, picture: Picture) -> Array:
         """Draws what a camera sees into `picture`, which has its size; returns its matrix (4, 4) in the world.

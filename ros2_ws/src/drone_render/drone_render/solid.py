@@ -1,6 +1,6 @@
 """Solid things: which of them are seen, by which lights, how finely, and in which order they are drawn."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import moderngl
@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render import view
-from drone_render.context import Device, packed, write
+from drone_render.context import Device, packed, setter, write
 from drone_render.edges import marks
 from drone_render.frame import Frame
 from drone_render.hierarchy import LIGHTS, Lighting
@@ -55,13 +55,15 @@ class SolidPass:
         self._halves = np.array([piece.half for piece in self._pieces]).reshape(-1, 3)
         self._radii = np.array([piece.radius for piece in self._pieces])
         deepest = max((len(piece.levels) for piece in self._pieces), default=1)
+        self._surfaces = [piece.surface for piece in self._pieces]
+        self._setters: dict[moderngl.Program, list[tuple[str, Callable[[bytes], object]]]] = {}
         self._errors = np.full((len(self._pieces), deepest), np.inf)
         for row, piece in zip(self._errors, self._pieces, strict=True):
             row[: len(piece.levels)] = [level.error for level in piece.levels]
 
     def warm_up(self) -> None:
         """Draws with every program that can occur: the driver compiles each at its first use, which takes a while."""
-        parallel = self._lighting.parallel is not None
+        parallel = self._lighting.sun is not None
         seen: set[Variant] = set()
         for piece, row in zip(self._pieces, self._rows, strict=True):
             for count in range(min(int(self._lighting.lit[row].sum()) - parallel, LIGHTS) + 1):
@@ -109,21 +111,30 @@ class SolidPass:
         shared["view_projection"] = frame.view_projection.T
         uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
-        used: tuple[moderngl.Program, Maps] | None = None
-        for i, model, numbers, level in zip(seen.tolist(), models, chosen, levels, strict=True):
-            surface = self._pieces[i].surface
-            draw = surface.draw(len(numbers))
-            if draw.program not in begun:
-                begun.add(draw.program)
-                write(draw.program, **uniforms)
-            if used != (draw.program, surface.maps):
-                used = draw.program, surface.maps
+        used: tuple[moderngl.Program | None, Maps | None] = None, None
+        # Tuples are unpacked at once, as this runs for every piece of every picture.
+        for i, model, numbers, (first, corners, _) in zip(seen.tolist(), models, chosen, levels, strict=True):
+            surface = self._surfaces[i]
+            program, array, values, set_model, set_lights, set_mark = surface.draw(len(numbers))
+            if program not in begun:
+                begun.add(program)
+                self._begin(program, uniforms)
+            if used[0] is not program or used[1] is not surface.maps:
+                used = program, surface.maps
                 surface.maps.use()
-                for put, value in draw.numbers:
+                for put, value in values:
                     put(value)
-            draw.model(model)
-            if draw.mark is not None:
-                draw.mark(self._marks[i])
-            if draw.lights is not None:
-                draw.lights(rows[numbers])
-            draw.array.render(vertices=level.corners, first=level.first)
+            set_model(model)
+            if set_mark is not None:
+                set_mark(self._marks[i])
+            if set_lights is not None:
+                set_lights(rows[numbers])
+            array.render(vertices=corners, first=first)
+
+    def _begin(self, program: moderngl.Program, uniforms: Mapping[str, bytes]) -> None:
+        """Sets what a program needs of what all draws of a picture share."""
+        if program not in self._setters:
+            found = ((name, setter(program, name)) for name in uniforms)
+            self._setters[program] = [(name, put) for name, put in found if put is not None]
+        for name, put in self._setters[program]:
+            put(uniforms[name])

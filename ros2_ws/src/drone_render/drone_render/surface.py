@@ -192,7 +192,7 @@ class Surfaces:
 
     def __init__(self, device: Device, render: Render, lighting: Lighting) -> None:
         self._device, self._render = device, render
-        self._shared = Shared(lighting.parallel is not None, lighting.beams, render.antialiasing is not None)
+        self._shared = Shared(lighting.sun is not None, lighting.beams, render.antialiasing is not None)
         self._maps: dict[tuple[Path | None, Path | None], Maps] = {}
         self._pieces: dict[Path, list[Piece]] = {}
 
