@@ -45,7 +45,9 @@ def programs(options: argparse.Namespace) -> list[Program]:
     nodes = [node("drone_sim", "drone_sim.sim_node", scene=options.scene, rtf=options.rtf, duration=options.duration,
                   listeners=bool(options.film) + bool(records_tf))]
     if not options.no_render:
+        # Its stamps are those of the states that it draws; a clock would wake it at every step once more.
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
+                          use_sim_time=None,
                           patience=FILM_PATIENCE if options.film else 0.0,
                           environment={} if DDS_PROFILE in os.environ else {DDS_PROFILE: str(dds_profile)}))
     if not options.no_teleop and sys.stdin.isatty():

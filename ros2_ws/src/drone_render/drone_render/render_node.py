@@ -129,14 +129,16 @@ class RenderNode(Node):
 
     def _report(self) -> None:
         with self._changed:
-            dropped = 0 if self._schedule is None else self._schedule.dropped
+            dropped, now = 0, 0
+            if self._schedule is not None:
+                dropped, now = self._schedule.dropped, self._schedule.history.latest.stamp
             values = {"frames drawn": str(self._drawn), "frames dropped": str(dropped), "selected": self._selected}
             times = [value for shutter in self._shutters.values() for value in shutter.report()]
         status = DiagnosticStatus(name="drone_render: pictures", hardware_id=context.device_name(self._graphics))
         status.level, status.message = DiagnosticStatus.OK, "drawing" if self._renderer else "waiting for a scene"
         status.values = [KeyValue(key=key, value=value) for key, value in values.items()] + times
         message = DiagnosticArray(status=[status])
-        message.header.stamp = self.get_clock().now().to_msg()
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, SECOND)
         self._diagnostics.publish(message)
 
     # What draws, in the thread that owns the context.

@@ -12,14 +12,17 @@ from drone_render import view
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import Array
 from drone_sim.look import Camera
+from drone_sim.process import NO_CALLBACKS
 
 
 class Outlet:
     """Images of one kind, and the camera_info beside them, where image_transport and depth_image_proc look for it."""
 
     def __init__(self, node: Node, topic: str) -> None:
-        self.images = node.create_publisher(Image, f"{topic}/image_raw", qos_profile_sensor_data)
-        self.infos = node.create_publisher(CameraInfo, f"{topic}/camera_info", qos_profile_sensor_data)
+        self.images = node.create_publisher(
+            Image, f"{topic}/image_raw", qos_profile_sensor_data, event_callbacks=NO_CALLBACKS)
+        self.infos = node.create_publisher(
+            CameraInfo, f"{topic}/camera_info", qos_profile_sensor_data, event_callbacks=NO_CALLBACKS)
 
     def heard(self) -> bool:
         """Whether anybody listens to either."""
@@ -46,7 +49,9 @@ class Shutter:
             Outlet(node, f"camera/{name}{kind}") for kind in ("", "/depth", "/segmentation")
         )
         self._place = transforms([("world", name, view.ORIGIN)])
-        self._places = node.create_publisher(TFMessage, "tf", 100) if view.turns(camera) else None
+        self._places = None
+        if view.turns(camera):
+            self._places = node.create_publisher(TFMessage, "tf", 100, event_callbacks=NO_CALLBACKS)
 
     # Made when they are drawn into first: most cameras are there to be looked at now and then.
 

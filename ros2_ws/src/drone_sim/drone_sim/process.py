@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable
 
 import rclpy
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
@@ -19,6 +20,9 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 ENDS = (signal.SIGINT, signal.SIGTERM)
+# A publisher's events would be asked for in every round of the executor, which takes long where there are many; a
+# subscriber that wants more than is offered is warned in its own process.
+NO_CALLBACKS = PublisherEventCallbacks(use_default_callbacks=False)
 PARAMETER_ERRORS = (InvalidParameterTypeException, InvalidParameterValueException)
 
 

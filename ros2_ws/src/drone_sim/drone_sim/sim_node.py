@@ -12,7 +12,6 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -29,7 +28,7 @@ from drone_sim.markers import DEEPEST, DEPTH, Markers
 from drone_sim.mesh import MeshError
 from drone_sim.messages import diagnostics, scene_message
 from drone_sim.pacing import Pacer, Share
-from drone_sim.process import run
+from drone_sim.process import NO_CALLBACKS, run
 from drone_sim.scene import SceneError, load
 from drone_sim.telemetry import Telemetry, Type
 from drone_sim.world import World
@@ -38,8 +37,6 @@ CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odom
            Type.JOINTS: JointState, Type.COLLISIONS: CollisionEvents}
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for whoever joins later
 RELIABLE = QoSProfile(depth=100)
-NO_CALLBACKS = PublisherEventCallbacks(use_default_callbacks=False)  # for which each publisher of a thousand would be
-# asked in every round of the executor; a subscriber that wants more than is offered is warned in its own process
 MOST_STEPS = 10_000  # of one call; nothing else is answered meanwhile
 MARKER_RATE = 60.0  # Hz of simulated time at most, and only while somebody looks
 MARKER_SHARE = 0.1  # of wall time that they may take; those of a thousand bodies come less often
