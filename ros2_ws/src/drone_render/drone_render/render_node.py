@@ -32,6 +32,7 @@ from drone_render.saving import Request, SaveImage
 from drone_render.schedule import Due, Schedule
 from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
+from drone_sim import mesh
 from drone_sim import scene as scenes
 from drone_sim.cdr import SECOND, Transforms, read_transforms
 from drone_sim.process import ENDS, NodeLog
@@ -319,6 +320,7 @@ def main(args: list[str] | None = None) -> None:
     spinning = ThreadPoolExecutor(1, "ros").submit(executor.spin)
     spinning.add_done_callback(lambda _: stop.set())  # a callback that failed ends the node
     try:
+        mesh.prepare()  # the simulation takes longer to start, and nothing is known of the scene before
         node.run(stop)
         executor.shutdown(timeout_sec=FINISH_WITHIN)
         spinning.result()

@@ -123,6 +123,11 @@ def surface(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
     return vertices, faces
 
 
+def prepare() -> None:
+    """Imports what reading models takes: half a second that one may have to spare before the first."""
+    import trimesh  # noqa: F401
+
+
 def _meshes(path: Path, text: str) -> "list[trimesh.Trimesh]":
     """The triangles of each material, as trimesh reads them."""
     import trimesh  # takes longer to import than all the rest, and the physics often needs `bounds` alone
