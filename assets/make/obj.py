@@ -58,6 +58,5 @@ def _material(name: str, material: Material) -> str:
         lines.append(f"Ke {numbers(material.emission)}")
     if material.texture:
         lines.append(f"map_Kd ../textures/{material.texture}.png")
-    if material.relief:
         lines.append(f"norm ../textures/{material.texture}_normal.png")
     return "\n".join(lines) + "\n"

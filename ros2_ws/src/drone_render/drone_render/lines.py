@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from drone_render.view import Array, matrices
 from drone_sim.cdr import ENCODING
-from drone_sim.layouts import NO_MORE
+from drone_sim.layouts import BALL, LINE_LIST, NO_MORE
 
-BALL, LINE_LIST = 2, 5  # of visualization_msgs/Marker: an ellipsoid; points two by two
 WORLD = "world"
 METRE = 200  # pixels of a line's width: its metres are for viewers that scale it, here it is the same near and far
 WIDEST = 8  # pixels

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render import detail
-from drone_render.context import Device, packed, setter
+from drone_render.context import Device, packed, samplers, setter
 from drone_render.geometry import bounds, pack, tangents
 from drone_render.hierarchy import Lighting
 from drone_render.shaders import Variant
@@ -170,8 +170,7 @@ class Surface:
         """How to draw it with so many lights."""
         if lights not in self._draws:
             program = self._device.program(self.variant(lights))
-            for unit, name in enumerate(self.maps.textures):
-                program[name] = unit
+            samplers(program, **{name: unit for unit, name in enumerate(self.maps.textures)})
             array = self._device.vertex_array(program, self._attributes, self._index)
             model = setter(program, "model")
             assert model is not None
