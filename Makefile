@@ -24,7 +24,7 @@ fly: build  ## fly the island; options: make fly ARGS="--help"
 build: $(VENV)/built  ## the environment, the message packages and the assets
 
 test: build  ## style, types, architecture, unit and integration tests
-	@$(RUN) -m pytest
+	@$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
 assets: build  ## rebuild models and textures from their scripts, byte for byte
 	@cd assets && "$(CURDIR)/$(RUN)" -m make

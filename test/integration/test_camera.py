@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import TransformStamped, Twist, Vector3
 from live import Graph, Spawn
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
@@ -102,13 +102,15 @@ def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
         """Stamps that came with all of them."""
         return set.intersection(*(set(stamps(each[view])) for each in (images, infos) for view in VIEWS))
 
-    graph.wait_for(lambda: len(together()) > 10, "all six of several moments")
+    def turns() -> list[TransformStamped]:
+        return [t for message in places for t in message.transforms if t.child_frame_id == "chase"]
+
+    graph.wait_for(lambda: len(together()) > 10 and len(turns()) > 10, "all six and the place, of several moments")
     for view in VIEWS:
         for each in (images[view], infos[view]):
             assert np.all(np.diff(stamps(each)) > 0), view
         assert infos[view][-1].k[0] == infos[""][0].k[0] and infos[view][-1].header.frame_id == "chase_optical"
-    turns = [t for message in places for t in message.transforms if t.child_frame_id == "chase"]
-    assert len(turns) > 10 and np.all(np.diff(stamps(turns)) > 0)
+    assert np.all(np.diff(stamps(turns())) > 0)
 
 
 def test_whoever_wants_depth_alone_has_no_colours_drawn(graph: Graph) -> None:
