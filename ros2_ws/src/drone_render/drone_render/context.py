@@ -21,7 +21,7 @@ class ContextError(RuntimeError):
 def create() -> moderngl.Context:
     """A context without a window. Raises ContextError."""
     try:
-        return moderngl.create_context(require=330, standalone=True, backend="egl")  # type: ignore[arg-type]
+        return moderngl.create_context(require=430, standalone=True, backend="egl")  # type: ignore[arg-type]
     except Exception as error:  # glcontext and moderngl raise plain Exception
         reason = (str(error).splitlines() or ["no reason given"])[0]
         raise ContextError(f"no OpenGL through EGL ({reason}); type: sudo {HINT}") from None
@@ -43,6 +43,10 @@ def waiter() -> Callable[[], None]:
 def packed(numbers: npt.ArrayLike) -> bytes:
     """Numbers as a uniform or a buffer takes them."""
     return np.asarray(numbers, dtype=np.float32).tobytes()
+
+
+Attribute = tuple[moderngl.Buffer, str, str]
+"""Numbers for each vertex or instance: where they are, their format, and what programs call them."""
 
 
 class Device:
@@ -96,10 +100,10 @@ class Device:
         return buffer
 
     def vertex_array(
-        self, program: moderngl.Program, attributes: Iterable[tuple[moderngl.Buffer, str, str]] = (),
+        self, program: moderngl.Program, attributes: Iterable[Attribute] = (),
         index: moderngl.Buffer | None = None,
     ) -> moderngl.VertexArray:  # fmt: skip
-        """What a program draws; attributes, as (buffer, format, name), that it does not have are left out."""
+        """What a program draws; attributes that it does not have are left out."""
         used = [attribute for attribute in attributes if program.get(attribute[2], None) is not None]
         array = self.context.vertex_array(program, used, index_buffer=index, index_element_size=4)
         self._releases.append(array.release)

@@ -3,19 +3,21 @@
 from collections.abc import Hashable, Sequence
 
 import moderngl
+import numpy as np
 
-from drone_render.context import Device, packed
+from drone_render.context import Device
 from drone_render.shaders import Variant
+from drone_render.view import Array
 
 SKY_MARK, WATER_MARK = 0.0, 1.0
 MARKS = 254  # for solid surfaces; alpha has eight bits
 STRIDE = 97  # coprime to MARKS: what follows each other in the scene gets marks far apart
 
 
-def marks(surfaces: Sequence[Hashable]) -> list[bytes]:
-    """The mark of each, packed: equal ones have the same, others most probably have not."""
+def marks(surfaces: Sequence[Hashable]) -> Array:
+    """The mark of each, (n,): equal ones have the same, others most probably have not."""
     number = {surface: i for i, surface in enumerate(dict.fromkeys(surfaces))}
-    return [packed((1 + number[surface] * STRIDE % MARKS) / 255) for surface in surfaces]
+    return np.array([(1 + number[surface] * STRIDE % MARKS) / 255 for surface in surfaces])
 
 
 class EdgePass:

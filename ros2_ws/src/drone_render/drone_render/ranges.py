@@ -5,9 +5,11 @@ import math
 import moderngl
 import numpy as np
 
-from drone_render.context import Device, packed
+from drone_render.context import Device
 from drone_render.image import Picture
+from drone_render.instances import Instances
 from drone_render.shaders import Variant
+from drone_render.view import Array
 
 NOTHING = (math.inf, 0.0)  # where no object is: too far away to be measured (REP-118), and no number
 
@@ -18,6 +20,8 @@ class RangePass:
     def __init__(self, device: Device) -> None:
         self._device = device
         self.program = device.program(Variant("range"))
+        self.single = Instances(device)
+        """For what is drawn by itself."""
         self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
 
     def begin(self, size: tuple[int, int], view_projection: bytes) -> None:
@@ -29,10 +33,9 @@ class RangePass:
         self._targets[size].clear(*NOTHING)
         self.program["view_projection"].write(view_projection)  # type: ignore[union-attr]
 
-    def place(self, matrix: bytes, row: int) -> None:
-        """What is drawn next: the matrix of an object, and its row in the scene."""
-        self.program["model"].write(matrix)  # type: ignore[union-attr]
-        self.program["number"].write(packed(row + 1))  # type: ignore[union-attr]
+    def place(self, model: Array, row: int) -> None:
+        """What is drawn by itself next: the matrix (4, 4) of an object, and its row in the scene."""
+        self.single.fill(model[None], np.array([row + 1.0]), [])
 
     def read(self, depth: Picture, labels: Picture) -> None:
         """Puts distances (32FC1, m) and numbers (16UC1, from 1 in the scene's order) into two images."""

@@ -163,8 +163,8 @@ class Renderer:
         self._solid.measure(frame, world, self._ranges)
         if self._water is not None:
             for row in np.flatnonzero(self._is_water):
-                self._ranges.place(packed(world[row].T), int(row))
-                self._water.measure(self._models[row], self._ranges.program)
+                self._ranges.place(world[row], int(row))
+                self._water.measure(self._models[row], self._ranges)
         self._wait()
         self._ranges.read(depth, labels)
         return frame.camera

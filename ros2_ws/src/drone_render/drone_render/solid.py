@@ -1,6 +1,7 @@
 """Solid things: which of them are seen, by which lights, how finely, and in which order they are drawn."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import moderngl
@@ -12,9 +13,10 @@ from drone_render.context import Device, packed, setter, write
 from drone_render.edges import marks
 from drone_render.frame import Frame
 from drone_render.hierarchy import LIGHTS, Lighting
+from drone_render.instances import Batch, Instances
 from drone_render.ranges import RangePass
 from drone_render.shaders import Variant
-from drone_render.surface import Level, Maps, Surfaces
+from drone_render.surface import Maps, Surface, Surfaces
 from drone_render.view import Array
 from drone_sim.look import Render
 from drone_sim.mesh import Model
@@ -23,13 +25,11 @@ TOLERANCE = 1.4  # pixels that a level of detail may be off by
 
 
 class Seen(NamedTuple):
-    """Pieces in the order in which they are drawn: their numbers, matrices (m, 4, 4) of their boxes in the world, bytes
-    of their models' matrices, levels of detail."""
+    """Pieces, the nearest first: their numbers, matrices (m, 4, 4) of their boxes in the world, levels of detail."""
 
     pieces: npt.NDArray[np.intp]
     boxes: Array
-    models: list[bytes]
-    levels: list[Level]
+    levels: list[int]
 
 
 class SolidPass:
@@ -45,17 +45,17 @@ class SolidPass:
         self._ambient = render.ambient
         self._lighting = lighting
         self._tolerance = tolerance
-        surfaces = Surfaces(device, render, lighting)
+        self._instances = Instances(device)
+        surfaces = Surfaces(device, render, lighting, self._instances)
         pairs = [(row, piece) for row, model in models.items() for piece in surfaces.pieces(model)]
         self._pieces = [piece for _, piece in pairs]
         self._rows = np.array([row for row, _ in pairs], dtype=np.intp)
         smooth = render.antialiasing is not None
-        self._marks = marks([(row, id(piece.surface)) for row, piece in pairs]) if smooth else []
+        self._marks = marks([(row, id(piece.surface)) for row, piece in pairs]) if smooth else np.zeros(len(pairs))
         self._middles = np.array([piece.middle for piece in self._pieces]).reshape(-1, 3)
         self._halves = np.array([piece.half for piece in self._pieces]).reshape(-1, 3)
         self._radii = np.array([piece.radius for piece in self._pieces])
         deepest = max((len(piece.levels) for piece in self._pieces), default=1)
-        self._surfaces = [piece.surface for piece in self._pieces]
         self._setters: dict[moderngl.Program, list[tuple[str, Callable[[bytes], object]]]] = {}
         self._errors = np.full((len(self._pieces), deepest), np.inf)
         for row, piece in zip(self._errors, self._pieces, strict=True):
@@ -71,51 +71,68 @@ class SolidPass:
                 if variant not in seen:
                     seen.add(variant)
                     draw = piece.surface.draw(count)
-                    write(draw.program, view_projection=np.eye(4), model=np.eye(4))
+                    write(draw.program, view_projection=np.eye(4))
                     piece.surface.maps.use()
                     draw.array.render()
 
     def _seen(self, frame: Frame, world: Array, tolerance: float) -> Seen:
         """What the camera sees of the objects at their matrices (n, 4, 4)."""
         boxes = world[self._rows]
-        models = packed(boxes.transpose(0, 2, 1))
         boxes[:, :3, 3] += np.einsum("nij,nj->ni", boxes[:, :3, :3], self._middles)
         centres = boxes[:, :3, 3]
         planes = view.frustum(frame.view_projection)
         seen = np.flatnonzero((centres @ planes[:, :3].T + planes[:, 3] > -self._radii[:, None]).all(axis=1))
-        # What is near hides what is far, and is drawn first; what reaches far, such as the ground, comes late.
+        # What is near hides what is far, and comes first; what reaches far, such as the ground, comes late.
         away = np.linalg.norm(centres[seen] - frame.eye, axis=1)
         order = np.argsort(away + self._radii[seen], kind="stable")
         seen, away = seen[order], away[order]
         allowed = tolerance * frame.pixel * np.maximum(away - self._radii[seen], 0.0)
         fewest = (self._errors[seen] <= allowed[:, None]).sum(axis=1) - 1
-        levels = [self._pieces[i].levels[k] for i, k in zip(seen.tolist(), fewest.tolist(), strict=True)]
-        return Seen(seen, boxes[seen], [models[64 * i : 64 * (i + 1)] for i in seen.tolist()], levels)
+        return Seen(seen, boxes[seen], fewest.tolist())
+
+    def _batches(
+        self, seen: Seen, world: Array, marks: npt.NDArray[np.floating], lights: Sequence[tuple[int, ...]]
+    ) -> list[tuple[Surface, tuple[int, ...]]]:
+        """Fills the instances: what has one shape and the same lights is a batch. Returns surface and lights of each.
+
+        marks: of all pieces; lights: of those that are seen.
+        """
+        alike: dict[tuple[int, int, tuple[int, ...]], list[int]] = {}
+        for i, level, lamps in zip(seen.pieces.tolist(), seen.levels, lights, strict=True):
+            alike.setdefault((id(self._pieces[i]), level, lamps), []).append(i)
+        batches, found, start = [], [], 0
+        for (_, level, lamps), members in alike.items():
+            piece = self._pieces[members[0]]
+            first, corners, _ = piece.levels[level]
+            batches.append(Batch(first, corners, start, len(members)))
+            found.append((piece.surface, lamps))
+            start += len(members)
+        order = list(chain.from_iterable(alike.values()))
+        self._instances.fill(world[self._rows[order]], marks[order], batches)
+        return found
 
     def measure(self, frame: Frame, world: Array, ranges: RangePass) -> None:
         """Draws the shapes that the camera sees, for their distances, in full detail."""
-        index, _, models, levels = self._seen(frame, world, 0.0)
-        for i, model, level in zip(index.tolist(), models, levels, strict=True):
-            ranges.place(model, int(self._rows[i]))
-            self._pieces[i].surface.shape(ranges.program).render(vertices=level.corners, first=level.first)
+        seen = self._seen(frame, world, 0.0)
+        batches = self._batches(seen, world, self._rows + 1.0, [()] * len(seen.levels))
+        for number, (surface, _) in enumerate(batches):
+            self._instances.draw(surface.shape(ranges.program), number)
 
     def draw(self, frame: Frame, world: Array) -> None:
         """Draws what the camera sees of the objects at their matrices (n, 4, 4)."""
-        seen, boxes, models, levels = self._seen(frame, world, self._tolerance)
+        seen = self._seen(frame, world, self._tolerance)
         lighting = self._lighting
         lamps = lighting.places(world)
         lights = lighting.uniforms(lamps)
-        chosen = lighting.strongest(lamps, self._rows[seen], boxes, self._halves[seen])
+        chosen = lighting.strongest(lamps, self._rows[seen.pieces], seen.boxes, self._halves[seen.pieces])
         rows = {numbers: packed(lights[list(numbers)]) for numbers in set(chosen)}
         shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
         shared["view_projection"] = frame.view_projection.T
         uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
         used: tuple[moderngl.Program | None, Maps | None] = None, None
-        # Tuples are unpacked at once, as this runs for every piece of every picture.
-        for i, model, numbers, (first, corners, _) in zip(seen.tolist(), models, chosen, levels, strict=True):
-            surface = self._surfaces[i]
-            program, array, values, set_model, set_lights, set_mark = surface.draw(len(numbers))
+        for number, (surface, numbers) in enumerate(self._batches(seen, world, self._marks, chosen)):
+            program, array, values, set_lights = surface.draw(len(numbers))
             if program not in begun:
                 begun.add(program)
                 self._begin(program, uniforms)
@@ -124,12 +141,9 @@ class SolidPass:
                 surface.maps.use()
                 for put, value in values:
                     put(value)
-            set_model(model)
-            if set_mark is not None:
-                set_mark(self._marks[i])
             if set_lights is not None:
                 set_lights(rows[numbers])
-            array.render(vertices=corners, first=first)
+            self._instances.draw(array, number)
 
     def _begin(self, program: moderngl.Program, uniforms: Mapping[str, bytes]) -> None:
         """Sets what a program needs of what all draws of a picture share."""

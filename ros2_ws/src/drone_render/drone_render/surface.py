@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render import detail
-from drone_render.context import Device, packed, samplers, setter
+from drone_render.context import Attribute, Device, packed, samplers, setter
 from drone_render.geometry import bounds, pack, tangents
 from drone_render.hierarchy import Lighting
+from drone_render.instances import Instances
 from drone_render.shaders import Variant
 from drone_render.view import Array
 from drone_sim.look import Render
@@ -85,20 +86,19 @@ class Piece(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """A surface as a program draws it: what sets that program's matrix, lights and mark, where it has them, and what
-    to set for the surface's maps."""
+    """A surface as a program draws it: what sets that program's lights, if it has any, and what to set for the
+    surface's maps."""
 
     program: moderngl.Program
     array: moderngl.VertexArray
     numbers: Sequence[tuple[Callable[[bytes], object], bytes]]
-    model: Callable[[bytes], object]
     lights: Callable[[bytes], object] | None
-    mark: Callable[[bytes], object] | None
 
 
 class Shared(NamedTuple):
-    """What all programs of a scene have in common: rays of the sun, beams, marks for smooth edges."""
+    """What all programs of a scene have in common: where things are, rays of the sun, beams, marks for smooth edges."""
 
+    instances: Instances
     sun: bool
     beams: bool
     edges: bool
@@ -128,7 +128,7 @@ class Surface:
         self.position = self._vertices["position"]
         wide = float(np.ptp(self.position, axis=0).max()) > 2 * WIDE
         self.blocks = [faces[block] for block in detail.blocks(self.position, faces)] if wide else [faces]
-        self._attributes: list[tuple[moderngl.Buffer, str, str]] = []
+        self._attributes: list[Attribute] = []
         self._index: moderngl.Buffer | None = None
         self._draws: dict[int, Draw] = {}
         self._shapes: dict[moderngl.Program, moderngl.VertexArray] = {}
@@ -171,27 +171,24 @@ class Surface:
         if lights not in self._draws:
             program = self._device.program(self.variant(lights))
             samplers(program, **{name: unit for unit, name in enumerate(self.maps.textures)})
-            array = self._device.vertex_array(program, self._attributes, self._index)
-            model = setter(program, "model")
-            assert model is not None
             numbers = [(put, value) for name, value in self.maps.numbers.items() if (put := setter(program, name))]
-            lamps, mark = setter(program, "lights"), setter(program, "mark")
-            self._draws[lights] = Draw(program, array, numbers, model, lamps, mark)
+            self._draws[lights] = Draw(program, self.shape(program), numbers, setter(program, "lights"))
         return self._draws[lights]
 
     def shape(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """What to draw with a program that takes its shape alone."""
+        """Its triangles, with what a program takes of them."""
         if program not in self._shapes:
-            self._shapes[program] = self._device.vertex_array(program, self._attributes, self._index)
+            attributes = self._attributes + self._shared.instances.attributes
+            self._shapes[program] = self._device.vertex_array(program, attributes, self._index)
         return self._shapes[program]
 
 
 class Surfaces:
     """The surfaces of models on the device, each model's and each pair of maps once."""
 
-    def __init__(self, device: Device, render: Render, lighting: Lighting) -> None:
+    def __init__(self, device: Device, render: Render, lighting: Lighting, instances: Instances) -> None:
         self._device, self._render = device, render
-        self._shared = Shared(lighting.sun is not None, lighting.beams, render.antialiasing is not None)
+        self._shared = Shared(instances, lighting.sun is not None, lighting.beams, render.antialiasing is not None)
         self._maps: dict[tuple[Path | None, Path | None], Maps] = {}
         self._pieces: dict[Path, list[Piece]] = {}
 

@@ -6,9 +6,10 @@ from pathlib import Path
 import moderngl
 import numpy as np
 
-from drone_render.context import Device, samplers, write
+from drone_render.context import Attribute, Device, samplers, write
 from drone_render.edges import WATER_MARK
 from drone_render.frame import Frame
+from drone_render.ranges import RangePass
 from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.sky import SkyColours
@@ -74,15 +75,18 @@ class WaterPass:
     def draw(self, model: Model, matrix: bytes) -> None:
         """Draws one body of water."""
         self._program["model"].write(matrix)  # type: ignore[union-attr]
-        self.measure(model, self._program)
+        self._render(model, self._program, [])
 
-    def measure(self, model: Model, program: moderngl.Program) -> None:
-        """Draws the shape of one with another program."""
+    def measure(self, model: Model, ranges: RangePass) -> None:
+        """Draws the shape of one for its distances."""
+        self._render(model, ranges.program, ranges.single.attributes)
+
+    def _render(self, model: Model, program: moderngl.Program, attributes: list[Attribute]) -> None:
         if (model.path, program) not in self._arrays:
-            self._arrays[model.path, program] = [self._upload(program, part) for part in model.parts]
+            self._arrays[model.path, program] = [self._upload(program, part, attributes) for part in model.parts]
         for array in self._arrays[model.path, program]:
             array.render()
 
-    def _upload(self, program: moderngl.Program, part: Part) -> moderngl.VertexArray:
-        attributes = [(self._device.buffer(part.vertices), "3f", "position")]
-        return self._device.vertex_array(program, attributes, self._device.buffer(part.faces))
+    def _upload(self, program: moderngl.Program, part: Part, attributes: list[Attribute]) -> moderngl.VertexArray:
+        position: Attribute = self._device.buffer(part.vertices), "3f", "position"
+        return self._device.vertex_array(program, [position, *attributes], self._device.buffer(part.faces))

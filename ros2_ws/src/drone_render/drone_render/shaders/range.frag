@@ -1,5 +1,5 @@
 // How far away a thing is along the optical axis, in m, and its number.
-uniform float number;
+flat in float number;
 out vec2 pixel;
 
 void main() {

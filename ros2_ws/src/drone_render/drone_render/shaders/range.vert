@@ -1,7 +1,10 @@
 in vec3 position;
-uniform mat4 model;
+in mat4 model;
+in float mark;  // here the thing's number
 uniform mat4 view_projection;
+flat out float number;
 
 void main() {
+    number = mark;
     gl_Position = view_projection * (model * vec4(position, 1.0));
 }

@@ -4,7 +4,10 @@
 in vec3 position;
 in vec3 normal;
 in vec3 colour;
-uniform mat4 model;
+in mat4 model;
+#ifdef EDGES
+in float mark;
+#endif
 uniform mat4 view_projection;
 uniform Facet given;
 flat out Facet facet;
@@ -30,6 +33,9 @@ in vec3 specular;
 void main() {
     facet = given;
     facet.colour = colour;
+#ifdef EDGES
+    facet.mark = mark;
+#endif
 #ifdef EMISSIVE
     facet.emission = emission;
 #endif
