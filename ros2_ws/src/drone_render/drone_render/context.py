@@ -59,10 +59,13 @@ class Device:
         self._releases: list[Callable[[], object]] = []
 
     def program(self, variant: Variant) -> moderngl.Program:
-        """The program of a variant."""
+        """The program of a variant. Raises ValueError where the driver has no room for it."""
         if variant not in self.programs:
             vertex, fragment = variant.sources()
-            program = self.context.program(vertex_shader=vertex, fragment_shader=fragment)
+            try:
+                program = self.context.program(vertex_shader=vertex, fragment_shader=fragment)
+            except moderngl.Error as error:
+                raise ValueError(f"the driver refuses the program '{variant.name}': {_last_line(error)}") from None
             self._releases.append(program.release)
             self.programs[variant] = program
         return self.programs[variant]
@@ -132,6 +135,14 @@ class Device:
         self._releases += [texture.release, depth.release, target.release]
         return target, texture
 
+    def begin(self, target: moderngl.Framebuffer, background: tuple[float, ...]) -> None:
+        """Starts a picture of solid things in a target, all of it background."""
+        self.context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self.context.front_face = "cw"  # the projection turns y over, and triangles with it
+        self.context.depth_func = "<="  # the sky lies at the far end of it
+        target.use()
+        target.clear(*background)  # type: ignore[arg-type]
+
     def release(self) -> None:
         """Gives back everything, the youngest first."""
         self.context.detect_framebuffer(0).use()  # or the next target would be made beside one that is gone
@@ -139,6 +150,10 @@ class Device:
             self._releases.pop()()
         self.programs.clear()
         self._textures.clear()
+
+
+def _last_line(error: Exception) -> str:
+    return next((line.strip() for line in reversed(str(error).splitlines()) if line.strip()), "no reason given")
 
 
 def samplers(program: moderngl.Program, **units: int) -> None:

@@ -10,6 +10,7 @@ import av
 import numpy as np
 from PIL import Image
 
+GIF_RATE = 50  # pictures a second; what comes faster, viewers show at a tenth of a second each
 WAITING = 16  # frames that may wait for the encoder; beyond, drawing waits, as a film never drops any
 
 
@@ -27,6 +28,8 @@ class Film:
         encoders: dict[str, Callable[[], None]] = {".mp4": self._mp4, ".gif": self._gif}
         if path.suffix not in encoders:
             raise FilmError(f"{path}: films end in .mp4 or .gif")
+        if path.suffix == ".gif" and rate > GIF_RATE:
+            raise FilmError(f"{path}: a GIF has at most {GIF_RATE} pictures a second, not {rate}")
         if path.suffix == ".mp4" and (size[0] % 2 or size[1] % 2):
             raise FilmError(f"{path}: an MP4 needs an even width and height, not {size[0]}x{size[1]}")
         try:
@@ -42,9 +45,10 @@ class Film:
         self._thread.start()
 
     def add(self, pixels: bytes) -> None:
-        """Takes one picture: rows from the top, width x 3 bytes each. Raises FilmError if encoding has failed."""
+        """Takes one picture: rows from the top, width x 3 bytes each. Raises FilmError if encoding has failed; the
+        film is closed then."""
         if self._error is not None:
-            raise FilmError(f"{self.path}: {self._error}")
+            self.close()
         self._queue.put(pixels)
         self.frames += 1
 
@@ -88,7 +92,9 @@ class Film:
         # Pillow keeps all frames until the end, so they are kept with 256 colours each.
         images = [Image.frombytes("RGB", self.size, pixels).quantize(256) for pixels in self._pictures()]
         if images:
-            images[0].save(self.path, save_all=True, append_images=images[1:], duration=1000 / self._rate, loop=0)
+            ends = np.round(100 * np.arange(len(images) + 1) / self._rate)  # a GIF counts in hundredths of a second
+            durations = (10 * np.diff(ends)).astype(int).tolist()
+            images[0].save(self.path, save_all=True, append_images=images[1:], duration=durations, loop=0)
 
 
 class Reel:

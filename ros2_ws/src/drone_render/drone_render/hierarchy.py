@@ -10,7 +10,7 @@ from drone_render.frame import Sun
 from drone_render.view import Array, camera_matrix, matrices, pose
 from drone_sim.scene import Scene
 
-LIGHTS = 4  # that a surface is lit by beside the parallel one, at most
+LIGHTS = 4  # that a surface is lit by beside the parallel one, at most; a triangle hands on no more than six of them
 DARK = 1 / 128  # of a light's brightness; where less than that is left, it has ended
 UNSEEN = 1 / 255  # a light that adds less is not computed
 PARALLEL = 200.0  # m from the origin, beyond which a light without reach has parallel rays
@@ -106,8 +106,8 @@ class Lighting:
     def strongest(
         self, places: Array, rows: npt.NDArray[np.intp], boxes: Array, halves: Array
     ) -> Sequence[tuple[int, ...]]:
-        """For each box (matrices (n, 4, 4), half its edges (n, 3)) of the objects `rows`, LIGHTS at most, the brightest
-        first.
+        """For each box (matrices (n, 4, 4), half its edges (n, 3)) of the objects `rows`, the LIGHTS brightest at most,
+        in the scene's order.
 
         places: of the lights. The parallel one is not among them, nor any whose beam misses the sphere around the box.
         """
@@ -126,11 +126,11 @@ class Lighting:
             strength[:, self._parallel] = 0.0
         order = np.argsort(-strength, axis=1, kind="stable")[:, :LIGHTS]
         counts = (strength > UNSEEN).sum(axis=1)
-        return [tuple(lights[:count]) for lights, count in zip(order.tolist(), counts.tolist(), strict=True)]
+        return [tuple(sorted(lights[:count])) for lights, count in zip(order.tolist(), counts.tolist(), strict=True)]
 
     def _far(self) -> int | None:
-        """The brightest of the lights that distance does not weaken and that stand far away, or None."""
+        """The brightest of the far lights that shine all around and that distance does not weaken, or None."""
         away = np.linalg.norm(self._offsets[:, :3, 3], axis=1) > PARALLEL
         free = np.array([parent is None for parent in self._parents], dtype=np.bool_)
-        far = np.flatnonzero((self.falloff == 0) & away & free)
+        far = np.flatnonzero((self.falloff == 0) & (self._edges <= -1) & away & free)
         return int(far[np.argmax(self.colours[far].max(axis=1))]) if len(far) else None

@@ -4,10 +4,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+
 from drone_render.view import Array, interpolate
 from drone_sim.cdr import SECOND
 
 LEAP = 60 * SECOND  # ns; what is further apart is another run, not a state that got lost
+UNIT_WITHIN = 0.02  # that the square of a quaternion's norm is off 1, at most, as in tf2
 SLACK = 1_000  # ns; a stamp that was rounded to ns is still on time
 
 
@@ -56,12 +59,15 @@ class History:
         self._known = False
 
     def push(self, stamp: int, children: Sequence[str], poses: Array) -> tuple[State, State] | None:
-        """Takes the poses of some objects, in ns and (m, 7); names that are not the scene's are left out.
+        """Takes the poses of some objects, in ns and (m, 7); names that are not the scene's are left out, and so are
+        poses that are none.
 
         Returns the state before and the new one; None for the very first, and where time went back or leapt
         ahead: there is nothing in between then.
         """
-        known = [i for i, name in enumerate(children) if name in self._row]
+        square = np.einsum("ij,ij->i", poses[:, 3:], poses[:, 3:])
+        sound = np.isfinite(poses).all(axis=1) & (np.abs(square - 1) < UNIT_WITHIN)
+        known = [i for i, name in enumerate(children) if sound[i] and name in self._row]
         if not known:
             return None
         before = self.latest

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from drone_render.view import Array, matrices
 from drone_sim.cdr import ENCODING
-from drone_sim.layouts import BALL, LINE_LIST, NO_MORE
+from drone_sim.layouts import ADD, BALL, LINE_LIST, NO_MORE
 
 WORLD = "world"
 METRE = 200  # pixels of a line's width: its metres are for viewers that scale it, here it is the same near and far
@@ -70,6 +70,7 @@ class Marker(NamedTuple):
 
     frame: str
     kind: int
+    action: int
     pose: tuple[float, ...]  # x y z qx qy qz qw
     scale: tuple[float, ...]  # (3,) m
     colour: tuple[float, ...]  # (4,)
@@ -119,24 +120,24 @@ class _Reader:
 
 
 def read_markers(data: bytes) -> Shapes:
-    """All lists of lines and all balls in the message. Raises ValueError for other bytes."""
+    """All lists of lines and all balls that the message adds. Raises ValueError for other bytes."""
     if data[: len(ENCODING)] != ENCODING:
         raise ValueError("not a little-endian CDR message")
     reader = _Reader(data)
-    markers = [_marker(reader) for _ in range(reader.uint32())]
+    markers = [marker for _ in range(reader.uint32()) if (marker := _marker(reader)).action == ADD]
     lined = [i for i, m in enumerate(markers) if m.kind == LINE_LIST and len(m.colours) in (0, len(m.points))]
     balls = [i for i, m in enumerate(markers) if m.kind == BALL]
     counts = [len(markers[i].points) // 2 for i in lined]
     ends = [markers[i].points[: 2 * count].reshape(-1, 2, 3) for i, count in zip(lined, counts, strict=True)]
     shades = [m.colours[: 2 * count : 2] if len(m.colours) else np.tile(np.array(m.colour), (count, 1))
               for m, count in zip((markers[i] for i in lined), counts, strict=True)]
-    widths = [min(max(round(METRE * markers[i].scale[0]), 1), WIDEST) for i in lined]
+    widths = np.nan_to_num(METRE * np.array([markers[i].scale[0] for i in lined]))
     return Shapes(
         tuple(marker.frame for marker in markers),
         matrices(np.array([marker.pose for marker in markers]).reshape(-1, 7)),
         np.concatenate([np.empty((0, 2, 3)), *ends]).astype(np.float32),
         np.concatenate([np.empty((0, 4)), *shades]).astype(np.float32),
-        np.repeat(np.array(widths, np.int64), counts),
+        np.repeat(np.clip(np.round(widths), 1, WIDEST).astype(np.int64), counts),
         np.repeat(np.array(lined, np.int64), counts),
         np.array(balls, np.int64),
         np.array([markers[i].scale[0] / 2 for i in balls], np.float32),
@@ -150,14 +151,13 @@ def _marker(reader: _Reader) -> Marker:
     frame = reader.text()
     reader.text()  # namespace
     reader.skip(4)  # id
-    kind = reader.uint32()
-    reader.skip(4)  # action
+    kind, action = reader.uint32(), reader.uint32()
     row = reader.numbers(POSE_SCALE_COLOUR)
     reader.skip(4, 2)  # lifetime
     reader.skip(1)  # frame locked
     count = reader.uint32()
     points = reader.floats("<f8", 3 * count).reshape(-1, 3)
-    read = frame, kind, row[:7], row[7:10], row[10:], points
+    read = frame, kind, action, row[:7], row[7:10], row[10:], points
     if reader.passed(NO_MORE):  # which is all that drone_sim's have, and fast
         return Marker(*read, NO_COLOURS)
     count = reader.uint32()

@@ -26,7 +26,8 @@ class LinePass:
     def __init__(self, device: Device) -> None:
         self._device = device
         self._strokes: dict[tuple[int, bool], _Stroke] = {}  # by width, and whether they are rims
-        self._outlines = _Stroke(device, OUTLINE)
+        self._program = device.program(Variant("lines"))
+        self._outlines = _Stroke(device, self._program, OUTLINE)
         self._balls: tuple[Floats, Floats, Floats] | None = None
 
     def show(self, lines: Lines) -> None:
@@ -43,7 +44,7 @@ class LinePass:
 
     def _stroke(self, width: int, rim: bool) -> "_Stroke":
         if (width, rim) not in self._strokes:
-            self._strokes[width, rim] = _Stroke(self._device, width + RIM if rim else width)
+            self._strokes[width, rim] = _Stroke(self._device, self._program, width + RIM if rim else width)
         return self._strokes[width, rim]
 
     def draw(self, view_projection: Array, size: tuple[int, int], near: float) -> None:
@@ -83,9 +84,8 @@ def _order(item: tuple[tuple[int, bool], "_Stroke"]) -> tuple[int, bool]:
 class _Stroke:
     """Lines of one width in pixels."""
 
-    def __init__(self, device: Device, width: int) -> None:
-        self._device = device
-        self._program = device.program(Variant.of("lines", WIDTH=width))
+    def __init__(self, device: Device, program: moderngl.Program, width: int) -> None:
+        self._device, self._program, self._width = device, program, width
         self._buffer: moderngl.Buffer | None = None
         self._array: moderngl.VertexArray | None = None
         self.count = 0
@@ -107,7 +107,7 @@ class _Stroke:
         """Draws them with a share of their opacity; matrix: to the picture, its columns one after the other."""
         if self._array is None or not self.count:
             return
-        write(self._program, view_projection=matrix, size=size, near=near, share=share)
+        write(self._program, view_projection=matrix, size=size, near=near, share=share, width=self._width)
         self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self.count)
 
 

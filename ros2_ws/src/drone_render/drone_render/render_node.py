@@ -35,7 +35,7 @@ from drone_render.view import Array
 from drone_sim import mesh
 from drone_sim import scene as scenes
 from drone_sim.cdr import SECOND, Transforms, read_transforms
-from drone_sim.process import ENDS, NodeLog
+from drone_sim.process import ENDS, PARAMETER_ERRORS, NodeLog
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 EARLY = 10_000  # states kept for a film while its scene is being loaded
@@ -115,7 +115,7 @@ class RenderNode(Node):
             self._select(message.data)
 
     def _select(self, name: str) -> None:
-        if self._renderer is None:
+        if self._schedule is None or (self._wanted_scene and self._wanted_scene.hash != self._hash):  # one is loading
             self._wanted_camera = name
         elif name in self._shutters:
             self._selected = self._wanted_camera = name
@@ -153,39 +153,47 @@ class RenderNode(Node):
                 if self._wanted_scene is None and not self._saving.waiting and not self._added and wait != 0.0:
                     self._changed.wait(min(0.1 if wait is None else wait, 0.1))
                 wanted, self._wanted_scene = self._wanted_scene, None
+            if wanted is not None and wanted.hash != self._hash:
+                self._switch(wanted)
+            with self._changed:
                 requests = self._saving.take()
                 added, self._added = self._added, []
                 due = None if self._schedule is None else self._schedule.pop(time.monotonic())
-            if wanted is not None and wanted.hash != self._hash:
-                self._switch(wanted)
-                continue
             for text in added:
                 self._add(text)
             for request in requests:
                 self._answer(request)
             if due is not None:
                 self._draw(due)
-        for request in self._saving.take():
+        with self._changed:
+            requests = self._saving.take()
+        for request in requests:
             request.done.set()
 
     def close(self, hurry: threading.Event) -> None:
         """Finishes the film with what is left of it, in FINISH_WITHIN s if in a hurry; gives the device back."""
         self._publishing.shutdown()
-        until = np.inf
-        schedule = self._schedule if self._reel.path else None
         try:
-            while schedule and time.monotonic() < until and (due := schedule.pop(np.inf)):
-                due.live = False
-                self._draw(due)
-                if hurry.is_set() and until == np.inf:
-                    until = time.monotonic() + FINISH_WITHIN
-            if made := self._reel.close():
-                print(f"drone_render: {made}", flush=True)
-        except FilmError as error:
-            print(f"drone_render: {error}", flush=True)
-        if self._renderer is not None:
-            self._renderer.release()
-        self._graphics.release()
+            if self._schedule is not None:
+                self._draw_film(self._schedule, hurry)
+        finally:
+            try:
+                if made := self._reel.close():
+                    print(f"drone_render: {made}", flush=True)
+            except FilmError as error:
+                print(f"drone_render: {error}", flush=True)
+            if self._renderer is not None:
+                self._renderer.release()
+            self._graphics.release()
+
+    def _draw_film(self, schedule: Schedule, hurry: threading.Event | None = None) -> None:
+        """Draws what is left of the film, if one is made."""
+        until = np.inf
+        while self._reel.path and time.monotonic() < until and (due := schedule.pop(np.inf)):
+            due.live = False
+            self._draw(due)
+            if hurry is not None and hurry.is_set() and until == np.inf:
+                until = time.monotonic() + FINISH_WITHIN
 
     def _switch(self, message: SceneMessage) -> None:
         """Changes to the scene of a message; if it cannot be drawn, the old one stays."""
@@ -198,16 +206,22 @@ class RenderNode(Node):
             self.get_logger().error(f"scene: {error}")
             with self._changed:
                 self._schedule = old_schedule
+                self._early.clear()
+                if self._wanted_camera and old_schedule is not None:
+                    self._select(self._wanted_camera)
             return
-        old, self._renderer, self._hash = self._renderer, renderer, message.hash
-        if old is not None:
-            old.release()
+        if scene.hash != message.hash:
+            self.get_logger().warning(f"scene: {message.uri}: has changed since the simulation read it")
+        if old_schedule is not None:
+            self._draw_film(old_schedule)
+        old = self._renderer
         film = float(self._reel.rate) if self._reel.path else None
         hierarchy = renderer.hierarchy
         self._published.result()
         for shutter in self._shutters.values():
             shutter.close()
         with self._changed:
+            self._renderer, self._hash = renderer, message.hash
             self._schedule = Schedule(hierarchy.names, hierarchy.start, scene.rates.physics, scene.rates.draw, film)
             for state in self._early:
                 self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
@@ -216,6 +230,8 @@ class RenderNode(Node):
             self._selected = next(iter(self._shutters), "")
             if self._wanted_camera:
                 self._select(self._wanted_camera)
+        if old is not None:
+            old.release()
         self._tf_static.publish(rigid_transforms(scene.cameras))
         self._names.publish(String(data="".join(f"{i}: {name}\n" for i, name in enumerate(scene.objects, 1))))
         self.get_logger().info(f"scene {scene.name}: cameras {', '.join(scene.cameras) or 'none'}")
@@ -260,9 +276,10 @@ class RenderNode(Node):
         start = time.perf_counter()
         self._debug.show(self._renderer, poses)
         place = self._renderer.draw(name, poses, stamp / SECOND, shutter.picture)
-        shutter.seconds += time.perf_counter() - start
-        shutter.drawn += 1
-        self._drawn += 1
+        with self._changed:
+            shutter.seconds += time.perf_counter() - start
+            shutter.drawn += 1
+            self._drawn += 1
         if live:
             self._published.result()
             self._published = self._publishing.submit(shutter.publish, stamp, place, shutter.picture.message(stamp))
@@ -312,7 +329,7 @@ def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = RenderNode()
-    except context.ContextError as error:
+    except (context.ContextError, *PARAMETER_ERRORS) as error:
         rclpy.try_shutdown()
         sys.exit(f"drone_render: {error}")
     executor = SingleThreadedExecutor()

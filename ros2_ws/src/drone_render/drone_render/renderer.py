@@ -28,7 +28,7 @@ from drone_sim.scene import Scene
 class Renderer:
     """A scene on the graphics device. Use it as a context manager, or call `release`.
 
-    tolerance: pixels that surfaces may be off by where far things have fewer triangles; 0 draws them all.
+    tolerance: pixels that surfaces may be off by where far things have fewer triangles; at 0 none is off at all.
     Raises SceneError, MeshError or ValueError for models and textures that are not as they should be.
     """
 
@@ -80,7 +80,8 @@ class Renderer:
         colours = None if render.sky is None else SkyColours.of(self._device, render.sky, render.daylight)
         self._water = None
         if render.water is not None and self._is_water.any():
-            self._water = WaterPass(self._device, render, render.water, colours, has_sun, self._survey())
+            bodies = {row: model for row, model in enumerate(self._models) if self._is_water[row]}
+            self._water = WaterPass(self._device, render, render.water, bodies, colours, has_sun, self._survey())
         self._sky = None
         if render.sky is not None and colours is not None:
             self._sky = SkyPass(self._device, render, render.sky, colours, has_sun)
@@ -112,7 +113,7 @@ class Renderer:
         camera = next(iter(self.scene.cameras.values()), None)
         if camera is None:
             return
-        self._begin(camera.size)
+        self._device.begin(self._targets[camera.size], self._background)
         self._solid.warm_up()
         for name in self.scene.cameras:
             self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
@@ -133,13 +134,11 @@ class Renderer:
         size = self.scene.cameras[name].size
         world = self.hierarchy.world(poses)
         frame = self._frame(name, world, time)
-        target = self._begin(size)
+        target = self._targets[size]
+        self._device.begin(target, self._background)
         self._solid.draw(frame, world)
         if self._water is not None:
-            self._water.begin(frame)
-            for row in np.flatnonzero(self._is_water):
-                self._water.draw(self._models[row], packed(world[row].T))
-            self._context.disable(moderngl.BLEND)
+            self._water.draw(frame, world)
         if self._sky is not None:
             self._sky.draw(frame, self._domes(frame, world))
         if self._lines is not None:
@@ -158,13 +157,10 @@ class Renderer:
             self._ranges = RangePass(self._device)
         world = self.hierarchy.world(poses)
         frame = self._frame(name, world, time)
-        self._context.front_face, self._context.depth_func = "cw", "<="
         self._ranges.begin(self.scene.cameras[name].size, packed(frame.view_projection.T))
         self._solid.measure(frame, world, self._ranges)
         if self._water is not None:
-            for row in np.flatnonzero(self._is_water):
-                self._ranges.place(world[row], int(row))
-                self._water.measure(self._models[row], self._ranges)
+            self._water.measure(world, self._ranges)
         self._wait()
         self._ranges.read(depth, labels)
         return frame.camera
@@ -186,12 +182,3 @@ class Renderer:
         """The middle of the sky's domes, (3,)."""
         sky = self.scene.render.sky
         return frame.eye if sky is None or sky.parent is None else self.hierarchy.place(world, sky.parent)[:3, 3]
-
-    def _begin(self, size: tuple[int, int]) -> moderngl.Framebuffer:
-        context, target = self._context, self._targets[size]
-        context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        context.front_face = "cw"  # the projection turns y over, and triangles with it
-        context.depth_func = "<="  # the sky lies at the far end of it
-        target.use()
-        target.clear(*self._background)
-        return target

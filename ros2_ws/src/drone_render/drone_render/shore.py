@@ -35,7 +35,7 @@ def survey(device: Device, land: Sequence[tuple[Model, Array]], level: float) ->
     low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
     middle, half = (low + high) / 2, float((high - low).max()) / 2
     square = float(middle[0]), float(middle[1]), half
-    heights = _heights(device, land, square)
+    heights = _heights(device, land, square, level)
     clear = np.exp(-np.maximum(level - heights, 0.0) / CLEAR)
     clear = np.maximum(clear - DIM, 0.0) / (1 - DIM)
     clear[[0, -1]] = clear[:, [0, -1]] = 0.0  # what is beyond repeats the edge
@@ -44,14 +44,14 @@ def survey(device: Device, land: Sequence[tuple[Model, Array]], level: float) ->
 
 
 def _heights(
-    device: Device, land: Sequence[tuple[Model, Array]], square: tuple[float, float, float]
+    device: Device, land: Sequence[tuple[Model, Array]], square: tuple[float, float, float], level: float
 ) -> npt.NDArray[np.float32]:  # fmt: skip
-    """The highest land, (SIDE, SIDE) in m, at every pixel of the square."""
+    """The highest land, (SIDE, SIDE) in m, at every pixel of the square, within 1000 m of the water's level."""
     context, scratch = device.context, Device(device.context)
     try:
         target = scratch.target((SIDE, SIDE), components=1, dtype="f4")
         program = scratch.program(Variant("height"))
-        write(program, square=square)
+        write(program, square=square, level=level)
         context.enable_only(moderngl.DEPTH_TEST)
         context.depth_func = "<"
         target.use()

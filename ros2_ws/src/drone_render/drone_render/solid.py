@@ -35,7 +35,7 @@ class Seen(NamedTuple):
 class SolidPass:
     """All that is neither water nor sky; models by their object's row in the scene. Equal models are there once.
 
-    tolerance: pixels that levels of detail may be off by; 0 draws every triangle.
+    tolerance: pixels that levels of detail may be off by; at 0 only those are drawn that lose nothing.
     """
 
     def __init__(
@@ -90,60 +90,62 @@ class SolidPass:
         fewest = (self._errors[seen] <= allowed[:, None]).sum(axis=1) - 1
         return Seen(seen, boxes[seen], fewest.tolist())
 
-    def _batches(
+    def _fill(
         self, seen: Seen, world: Array, marks: npt.NDArray[np.floating], lights: Sequence[tuple[int, ...]]
     ) -> list[tuple[Surface, tuple[int, ...]]]:
-        """Fills the instances: what has one shape and the same lights is a batch. Returns surface and lights of each.
+        """Fills the instances: a batch for what has one shape and the same lights. Returns each batch's two.
 
-        marks: of all pieces; lights: of those that are seen.
+        marks: of all pieces; lights: numbers of those that shine on what is seen.
         """
         alike: dict[tuple[int, int, tuple[int, ...]], list[int]] = {}
-        for i, level, lamps in zip(seen.pieces.tolist(), seen.levels, lights, strict=True):
-            alike.setdefault((id(self._pieces[i]), level, lamps), []).append(i)
-        batches, found, start = [], [], 0
-        for (_, level, lamps), members in alike.items():
-            piece = self._pieces[members[0]]
+        for i, level, chosen in zip(seen.pieces.tolist(), seen.levels, lights, strict=True):
+            alike.setdefault((id(self._pieces[i]), level, chosen), []).append(i)
+        batches: list[Batch] = []
+        drawn: list[tuple[Surface, tuple[int, ...]]] = []
+        start = 0
+        for (_, level, chosen), pieces in alike.items():
+            piece = self._pieces[pieces[0]]
             first, corners, _ = piece.levels[level]
-            batches.append(Batch(first, corners, start, len(members)))
-            found.append((piece.surface, lamps))
-            start += len(members)
+            batches.append(Batch(first, corners, start, len(pieces)))
+            drawn.append((piece.surface, chosen))
+            start += len(pieces)
         order = list(chain.from_iterable(alike.values()))
         self._instances.fill(world[self._rows[order]], marks[order], batches)
-        return found
+        return drawn
 
     def measure(self, frame: Frame, world: Array, ranges: RangePass) -> None:
         """Draws the shapes that the camera sees, for their distances, in full detail."""
         seen = self._seen(frame, world, 0.0)
-        batches = self._batches(seen, world, self._rows + 1.0, [()] * len(seen.levels))
-        for number, (surface, _) in enumerate(batches):
-            self._instances.draw(surface.shape(ranges.program), number)
+        drawn = self._fill(seen, world, self._rows + 1.0, [()] * len(seen.levels))
+        for batch, (surface, _) in enumerate(drawn):
+            self._instances.draw(surface.shape(ranges.program), batch)
 
     def draw(self, frame: Frame, world: Array) -> None:
         """Draws what the camera sees of the objects at their matrices (n, 4, 4)."""
         seen = self._seen(frame, world, self._tolerance)
         lighting = self._lighting
-        lamps = lighting.places(world)
-        lights = lighting.uniforms(lamps)
-        chosen = lighting.strongest(lamps, self._rows[seen.pieces], seen.boxes, self._halves[seen.pieces])
-        rows = {numbers: packed(lights[list(numbers)]) for numbers in set(chosen)}
+        places = lighting.places(world)
+        lights = lighting.uniforms(places)
+        strongest = lighting.strongest(places, self._rows[seen.pieces], seen.boxes, self._halves[seen.pieces])
+        packed_lights = {chosen: packed(lights[list(chosen)]) for chosen in set(strongest)}
         shared: dict[str, npt.ArrayLike] = {"ambient": self._ambient, "eye": frame.eye, **frame.sun_uniforms()}
         shared["view_projection"] = frame.view_projection.T
         uniforms = {name: packed(value) for name, value in shared.items()}
         begun: set[moderngl.Program] = set()
         used: tuple[moderngl.Program | None, Maps | None] = None, None
-        for number, (surface, numbers) in enumerate(self._batches(seen, world, self._marks, chosen)):
-            program, array, values, set_lights = surface.draw(len(numbers))
+        for batch, (surface, chosen) in enumerate(self._fill(seen, world, self._marks, strongest)):
+            program, array, maps_uniforms, set_lights = surface.draw(len(chosen))
             if program not in begun:
                 begun.add(program)
                 self._begin(program, uniforms)
             if used[0] is not program or used[1] is not surface.maps:
                 used = program, surface.maps
                 surface.maps.use()
-                for put, value in values:
+                for put, value in maps_uniforms:
                     put(value)
             if set_lights is not None:
-                set_lights(rows[numbers])
-            self._instances.draw(array, number)
+                set_lights(packed_lights[chosen])
+            self._instances.draw(array, batch)
 
     def _begin(self, program: moderngl.Program, uniforms: Mapping[str, bytes]) -> None:
         """Sets what a program needs of what all draws of a picture share."""

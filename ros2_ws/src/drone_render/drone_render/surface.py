@@ -51,11 +51,11 @@ class Maps:
 
     def __init__(self, device: Device, look: Look) -> None:
         packed_map = pack(look.colour_map, look.normal_map) if look.colour_map and look.normal_map else None
-        self.numbers: dict[str, bytes] = {}
+        self.uniforms: dict[str, bytes] = {}
         """What programs need beside them, packed."""
         if packed_map is not None:  # one fetch instead of two: a fetch costs as much as three lights
             self.textures = {"colour_normal_map": device.packed_texture(packed_map)}
-            self.numbers = {"ramp": packed(packed_map.ramp), "steepness": packed(packed_map.steepness)}
+            self.uniforms = {"ramp": packed(packed_map.ramp), "steepness": packed(packed_map.steepness)}
         else:
             paths = {"colour_map": look.colour_map, "normal_map": look.normal_map}
             self.textures = {name: device.texture(path) for name, path in paths.items() if path is not None}
@@ -86,12 +86,12 @@ class Piece(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """A surface as a program draws it: what sets that program's lights, if it has any, and what to set for the
-    surface's maps."""
+    """A surface as a program draws it: what to set for the surface's maps, and what sets the program's lights, if it
+    has any."""
 
     program: moderngl.Program
     array: moderngl.VertexArray
-    numbers: Sequence[tuple[Callable[[bytes], object], bytes]]
+    uniforms: Sequence[tuple[Callable[[bytes], object], bytes]]
     lights: Callable[[bytes], object] | None
 
 
@@ -125,7 +125,6 @@ class Surface:
         self._vertices = {name: np.vstack(rows).astype(np.float32) for name, rows in columns.items()}
         first = np.cumsum([0] + [len(part.vertices) for part in parts])
         faces = np.vstack([part.faces + start for part, start in zip(parts, first, strict=False)]).astype(np.int32)
-        self.position = self._vertices["position"]
         wide = float(np.ptp(self.position, axis=0).max()) > 2 * WIDE
         self.blocks = [faces[block] for block in detail.blocks(self.position, faces)] if wide else [faces]
         self._attributes: list[Attribute] = []
@@ -133,8 +132,14 @@ class Surface:
         self._draws: dict[int, Draw] = {}
         self._shapes: dict[moderngl.Program, moderngl.VertexArray] = {}
 
+    @property
+    def position(self) -> npt.NDArray[np.float32]:
+        """Of its vertices (n, 3), in the model's frame, until they are on the device."""
+        return self._vertices["position"]
+
     def upload(self, kept: npt.NDArray[np.bool_]) -> list[Piece]:
-        """Puts all levels on the device; `kept` (n,): vertices that none may leave out, as others end there, too."""
+        """Puts all levels on the device, and leaves nothing here; `kept` (n,): vertices that no level may leave out, as
+        others end there, too."""
         pieces: list[Piece] = []
         index: list[npt.NDArray[np.int32]] = []
         first = 0
@@ -155,6 +160,7 @@ class Surface:
         ]
         self._index = self._device.buffer(np.vstack(index))
         self._vertices.clear()
+        self.blocks.clear()
         return pieces
 
     def variant(self, lights: int) -> Variant:
@@ -171,8 +177,8 @@ class Surface:
         if lights not in self._draws:
             program = self._device.program(self.variant(lights))
             samplers(program, **{name: unit for unit, name in enumerate(self.maps.textures)})
-            numbers = [(put, value) for name, value in self.maps.numbers.items() if (put := setter(program, name))]
-            self._draws[lights] = Draw(program, self.shape(program), numbers, setter(program, "lights"))
+            uniforms = [(put, value) for name, value in self.maps.uniforms.items() if (put := setter(program, name))]
+            self._draws[lights] = Draw(program, self.shape(program), uniforms, setter(program, "lights"))
         return self._draws[lights]
 
     def shape(self, program: moderngl.Program) -> moderngl.VertexArray:

@@ -1,20 +1,22 @@
 """Water: waves that mirror the sky, and the shallows where land is near."""
 
 import math
-from pathlib import Path
+from collections.abc import Mapping
 
 import moderngl
 import numpy as np
 
-from drone_render.context import Attribute, Device, samplers, write
+from drone_render.context import Device, samplers, write
 from drone_render.edges import WATER_MARK
 from drone_render.frame import Frame
+from drone_render.instances import Batch, Instances
 from drone_render.ranges import RangePass
 from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.sky import SkyColours
+from drone_render.view import Array
 from drone_sim.look import Render, Water
-from drone_sim.mesh import Model, Part
+from drone_sim.mesh import Model
 
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m
@@ -24,11 +26,12 @@ WAVE_SHARES = np.array([0.16, 0.18, 0.20, 0.18])  # of the wave height
 
 
 class WaterPass:
-    """The surfaces of water."""
+    """The surfaces of water; models by their object's row in the scene."""
 
     def __init__(
-        self, device: Device, render: Render, water: Water, skies: SkyColours | None, sun: bool, shore: Shore | None
-    ) -> None:
+        self, device: Device, render: Render, water: Water, models: Mapping[int, Model], skies: SkyColours | None,
+        sun: bool, shore: Shore | None,
+    ) -> None:  # fmt: skip
         sky = skies is not None
         self._skies = skies
         self._program = device.program(Variant.of(
@@ -40,7 +43,12 @@ class WaterPass:
         if shore is not None:
             write(self._program, square=shore.square)
         self._device = device
-        self._arrays: dict[tuple[Path, moderngl.Program], list[moderngl.VertexArray]] = {}
+        self._instances = Instances(device)
+        parts = [(row, part) for row, model in models.items() for part in model.parts]
+        self._rows = np.array([row for row, _ in parts], dtype=np.intp)
+        self._batches = [Batch(0, part.faces.size, number, 1) for number, (_, part) in enumerate(parts)]
+        self._shapes = [(device.buffer(part.vertices), device.buffer(part.faces)) for _, part in parts]
+        self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
         number = 2 * math.pi / WAVE_LENGTHS
         heading = np.cos(WAVE_HEADINGS), np.sin(WAVE_HEADINGS)
         slope = math.pi * water.wave_height * WAVE_SHARES
@@ -55,11 +63,11 @@ class WaterPass:
         if skies is not None:
             write(self._program, horizon=skies.horizon)
 
-    def begin(self, frame: Frame) -> None:
-        """Sets the camera, and moves the waves to the time of the picture."""
+    def draw(self, frame: Frame, world: Array) -> None:
+        """Draws them with the waves of the picture's time; matrices (n, 4, 4) of all objects."""
+        gl = self._device.context
         if self._shore is not None:
             self._shore.texture.use(0)
-            gl = self._device.context
             gl.enable(moderngl.BLEND)
             gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
         if self._skies is not None:
@@ -71,22 +79,19 @@ class WaterPass:
             wave_pixel=self._number * frame.pixel * CROWDED,
             **frame.sun_uniforms(),
         )  # fmt: skip
+        self._render(self._program, world)
+        gl.disable(moderngl.BLEND)
 
-    def draw(self, model: Model, matrix: bytes) -> None:
-        """Draws one body of water."""
-        self._program["model"].write(matrix)  # type: ignore[union-attr]
-        self._render(model, self._program, [])
+    def measure(self, world: Array, ranges: RangePass) -> None:
+        """Draws their shapes, for their distances."""
+        self._render(ranges.program, world)
 
-    def measure(self, model: Model, ranges: RangePass) -> None:
-        """Draws the shape of one for its distances."""
-        self._render(model, ranges.program, ranges.single.attributes)
-
-    def _render(self, model: Model, program: moderngl.Program, attributes: list[Attribute]) -> None:
-        if (model.path, program) not in self._arrays:
-            self._arrays[model.path, program] = [self._upload(program, part, attributes) for part in model.parts]
-        for array in self._arrays[model.path, program]:
-            array.render()
-
-    def _upload(self, program: moderngl.Program, part: Part, attributes: list[Attribute]) -> moderngl.VertexArray:
-        position: Attribute = self._device.buffer(part.vertices), "3f", "position"
-        return self._device.vertex_array(program, [position, *attributes], self._device.buffer(part.faces))
+    def _render(self, program: moderngl.Program, world: Array) -> None:
+        if program not in self._arrays:
+            self._arrays[program] = [
+                self._device.vertex_array(program, [(position, "3f", "position"), *self._instances.attributes], index)
+                for position, index in self._shapes
+            ]
+        self._instances.fill(world[self._rows], self._rows + 1.0, self._batches)
+        for number, array in enumerate(self._arrays[program]):
+            self._instances.draw(array, number)

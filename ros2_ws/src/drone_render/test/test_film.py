@@ -1,5 +1,6 @@
 """Films can be played and miss no picture."""
 
+import threading
 from pathlib import Path
 
 import av
@@ -30,19 +31,38 @@ def test_an_mp4_has_all_pictures_in_order(tmp_path: Path) -> None:
 
 
 def test_a_gif_has_all_pictures(tmp_path: Path) -> None:
-    film = Film(tmp_path / "run.gif", SIZE, 10)
-    for pixels in pictures(5):
+    film = Film(tmp_path / "run.gif", SIZE, 30)
+    for pixels in pictures(15):
         film.add(pixels)
     film.close()
     with Image.open(film.path) as image:
-        assert image.n_frames == 5 and image.size == SIZE and image.info["duration"] == 100  # type: ignore[attr-defined]
+        assert image.n_frames == 15 and image.size == SIZE  # type: ignore[attr-defined]
+        durations = []
+        for number in range(15):
+            image.seek(number)
+            durations.append(image.info["duration"])
+    assert sum(durations) == 500  # ms, though none of them is 1000 / 30
 
 
-@pytest.mark.parametrize(("name", "size"), [("run.avi", SIZE), ("run.mp4", (63, 48)), ("taken/run.mp4", SIZE)])
-def test_what_cannot_be_a_film_is_said_in_one_line(tmp_path: Path, name: str, size: tuple[int, int]) -> None:
+def test_a_film_that_finds_no_room_says_so_and_ends(tmp_path: Path) -> None:
+    (tmp_path / "run.mp4").symlink_to("/dev/full")
+    noise = np.random.default_rng(1).integers(0, 255, (200, SIZE[1], SIZE[0], 3), np.uint8)
+    reel = Reel(str(tmp_path / "run.mp4"), 5)
+    with pytest.raises(FilmError, match=r"run\.mp4: "):
+        for pixels in noise:
+            reel.add(SIZE, pixels.tobytes())
+    assert "film" not in {thread.name for thread in threading.enumerate()}
+    assert reel.close() == ""
+
+
+@pytest.mark.parametrize(("name", "size", "rate"), [
+    ("run.avi", SIZE, 30), ("run.mp4", (63, 48), 30), ("taken/run.mp4", SIZE, 30), ("run.gif", SIZE, 60)])  # fmt: skip
+def test_what_cannot_be_a_film_is_said_in_one_line(
+    tmp_path: Path, name: str, size: tuple[int, int], rate: int
+) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(FilmError) as caught:
-        Film(tmp_path / name, size, 30)
+        Film(tmp_path / name, size, rate)
     assert name in str(caught.value) or "taken" in str(caught.value)
     assert "\n" not in str(caught.value)
 

@@ -48,6 +48,10 @@ def test_a_marker_array_is_read_without_rclpy() -> None:
     assert found.widths.tolist() == [4, 4, 1]
     assert (found.balls.tolist(), found.radii.tolist()) == ([2], [1.5])
     np.testing.assert_allclose(found.ball_colours, [[0.25, 0.5, 1, 0.5]])
+    plain.scale.x = float("inf")
+    lines.action = Marker.DELETE
+    found = read_markers(serialize_message(MarkerArray(markers=[lines, plain])))
+    assert (found.frames, found.widths.tolist()) == (("crate",), [8])
     for broken in (b"", b"\0\1\0\0", serialize_message(MarkerArray(markers=[lines]))[:-40]):
         with pytest.raises(ValueError):
             read_markers(broken)

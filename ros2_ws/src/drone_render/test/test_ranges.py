@@ -2,13 +2,14 @@
 
 import moderngl
 import numpy as np
+import pytest
 
 from drone_render import view
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from drone_sim.scene import Scene
 
-from .drawing import Make
+from .drawing import Make, draw
 
 SCENE = """
 render: {sky: {}, water: {}}
@@ -62,6 +63,25 @@ def test_a_camera_can_be_added(make_scene: Make, graphics: moderngl.Context) -> 
     scene = make_scene(SCENE)
     with Renderer(scene, graphics) as renderer:
         renderer.adopt(scene.with_cameras("close: {parent: ball, pose: [-2, 0, 0], size: [64, 48]}"))
-        picture = Picture((64, 48), "close")
-        renderer.draw("close", renderer.hierarchy.start, 0.0, picture)
-        assert np.frombuffer(picture.pixels(), np.uint8).std() > 10
+        depth, labels = Picture((64, 48), "close", "32FC1"), Picture((64, 48), "close", "16UC1")
+        renderer.measure("close", renderer.hierarchy.start, 0.0, depth, labels)
+        assert np.frombuffer(labels.pixels(), np.uint16).reshape(48, 64)[24, 32] == 1
+        assert np.frombuffer(depth.pixels(), np.float32).reshape(48, 64)[24, 32] == pytest.approx(1.5, abs=0.01)
+
+
+def test_what_is_drawn_together_stays_where_and_what_it_is(make_scene: Make, graphics: moderngl.Context) -> None:
+    """Two models take turns by distance, so that none of them is drawn in one go with what is next to it."""
+    scene = make_scene("""
+render: {ambient: [1, 1, 1]}
+objects:
+  near: {model: crate, pose: [3, 0.8, 0], mass: 1}
+  grey: {model: grey_crate, pose: [4, -0.8, 0], mass: 1}
+  far: {model: crate, pose: [6, 2.5, 0], mass: 1}
+  far_grey: {model: grey_crate, pose: [7, -2.5, 0], mass: 1}
+cameras: {front: {size: [160, 120]}}
+""")
+    depth, labels = measure(scene, graphics)
+    nearest = [float(depth[labels == label].min()) for label in (1, 2, 3, 4)]
+    np.testing.assert_allclose(nearest, [2.5, 3.5, 5.5, 6.5], atol=1e-3)
+    hues = np.ptp(draw(scene, graphics).astype(int), axis=2)
+    assert [hues[labels == label].mean() > 1 for label in (1, 2, 3, 4)] == [True, False, True, False]

@@ -117,6 +117,17 @@ cameras: {front: {size: [90, 60], fov: 1.2}}
     assert other.max() > 300
 
 
+def test_a_far_beam_is_no_sun(make_scene: Make, graphics: moderngl.Context) -> None:
+    """It lights what it points at, and nothing else."""
+    scene = """
+objects: {ball: {model: ball, pose: [3, 0, 0], mass: 1}}
+lights: {lamp: {pose: [-300, 0, 0, 0, 0, YAW], beam: 0.05}}
+cameras: {front: {size: [90, 60]}}
+"""
+    towards, away = (draw(make_scene(DARK + scene.replace("YAW", yaw)), graphics) for yaw in ("0", "3.1415927"))
+    assert towards.max() > 100 and not away.any()
+
+
 def boxes(*middles: list[float]) -> np.ndarray:
     """Matrices of boxes that are not turned."""
     matrices = np.tile(np.eye(4), (len(middles), 1, 1))
@@ -132,7 +143,7 @@ def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None
     lighting = Lighting(hierarchy)
     places = lighting.places(hierarchy.world(hierarchy.start))
     (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([0, 0, 0]), np.full((1, 3), 0.5))
-    assert list(chosen) == [9, 0, 1, 2]
+    assert list(chosen) == [0, 1, 2, 9]
     (far,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([500, 0, 0]), np.full((1, 3), 0.5))
     assert list(far) == [9]  # the others have ended
 
@@ -145,7 +156,7 @@ def test_lights_over_a_wide_floor_count_by_their_distance(make_scene: Make) -> N
     turned = boxes([0, 0, 0])
     turned[0, :3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]  # its thin side is up
     (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), turned, np.array([[20, 0.1, 20]]))
-    assert list(chosen) == [4, 3, 2, 1]
+    assert list(chosen) == [1, 2, 3, 4]
 
 
 def test_only_what_is_far_away_is_the_sun(make_scene: Make, graphics: moderngl.Context) -> None:
@@ -240,12 +251,13 @@ def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: mode
     np.testing.assert_array_equal(picture, draw(make_scene(EVERYTHING), graphics))
 
 
-def test_water_is_clear_where_land_is_near(make_scene: Make, graphics: moderngl.Context) -> None:
+@pytest.mark.parametrize("level", [0.0, 4000.0])
+def test_water_is_clear_where_land_is_near(level: float, make_scene: Make, graphics: moderngl.Context) -> None:
     device = Device(graphics)
     model = mesh.load(make_scene("objects: {floor: {model: crate, mass: 1}}").model_path("floor"))
     far, near = np.eye(4), np.eye(4)
-    far[:3, 3], near[:3, 3] = (-10, 0, -9), (10, 0, -0.4)
-    shore = survey(device, [(model, far), (model, near)], level=0.0)
+    far[:3, 3], near[:3, 3] = (-10, 0, level - 9), (10, 0, level - 0.4)
+    shore = survey(device, [(model, far), (model, near)], level)
     assert shore is not None and shore.square[:2] == (0, 0)
     clear = np.frombuffer(shore.texture.read(), np.uint8).reshape(shore.texture.size)
     device.release()

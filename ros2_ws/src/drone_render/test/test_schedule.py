@@ -109,6 +109,15 @@ def test_names_of_other_scenes_are_left_out() -> None:
     np.testing.assert_array_equal(history.latest.poses[:, 0], [0, 4])
 
 
+def test_poses_that_are_none_are_left_out() -> None:
+    history = History(NAMES, START)
+    broken = np.vstack([poses(np.nan), poses(7)])
+    history.push(5, ["drone", "tree"], broken)
+    broken[1, 3:] = 0.0
+    history.push(6, ["drone", "tree"], broken)
+    np.testing.assert_array_equal(history.latest.poses[:, 0], [0, 7])
+
+
 def test_stamps_are_whole_multiples_of_the_period() -> None:
     assert list(Timetable(60).due(0, SECOND // 20)) == [16666667, 33333333, 50000000]
     assert list(Timetable(60).due(33333334, 50000000)) == [50000000]  # one that was rounded is not due again

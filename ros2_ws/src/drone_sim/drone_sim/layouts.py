@@ -45,6 +45,7 @@ def joint_state(names: Sequence[str]) -> Message:
 
 
 BALL, LINE_LIST = 2, 5  # types of visualization_msgs/Marker: an ellipsoid; points two by two
+ADD = 0  # what to do with one
 LIFETIME = 500_000_000  # ns, after which a marker that nobody tells any more is gone
 # What follows a marker's colour, which ends at a multiple of 8: lifetime, locked to its frame, the number of points.
 _MIDDLE = struct.Struct("<IIBxxxI")
@@ -62,7 +63,7 @@ class Mark:
     """
 
     def __init__(self, frame: str, name: str, number: int, kind: int, pose: Floats, scale: Sequence[float]) -> None:
-        layout = Layout().uint32(0).header(frame).string(name).uint32(number).uint32(kind).uint32(0)  # action: add
+        layout = Layout().uint32(0).header(frame).string(name).uint32(number).uint32(kind).uint32(ADD)
         message = layout.float64("pose", 7).float64("scale", 3).message()
         message.write("pose", pose)
         message.write("scale", scale)

@@ -14,8 +14,9 @@ class Light(Strict):
     parent: Name | None = None
     pose: Pose = ORIGIN
     colour: Colour = (1.0, 1.0, 1.0)
-    intensity: PositiveFloat = 1.0
-    reach: PositiveFloat | None = None  # m at which half of it is left; without it, distance does not weaken it
+    intensity: Annotated[float, Field(gt=0.0, le=1e6)] = 1.0
+    # m at which half of it is left; without it, distance does not weaken it
+    reach: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     beam: Annotated[float, Field(gt=0.0, le=1.5708)] | None = None  # rad from its x axis to where it ends
 
 

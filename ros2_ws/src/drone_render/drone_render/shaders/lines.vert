@@ -1,9 +1,10 @@
-// A line as a strip of two triangles, WIDTH pixels wide, one instance each.
+// A line as a strip of two triangles, one instance each.
 in vec3 start;
 in vec3 end;
 in vec4 colour;
 uniform mat4 view_projection;
 uniform vec2 size;   // of the picture, pixels
+uniform float width; // of the line, pixels
 uniform float near;  // m
 flat out vec4 line_colour;
 
@@ -14,7 +15,7 @@ void main() {
     if (a.w < near) a = mix(a, b, clamp((near - a.w) / max(b.w - a.w, 1e-6), 0.0, 1.0));
     if (b.w < near) b = mix(b, a, clamp((near - b.w) / max(a.w - b.w, 1e-6), 0.0, 1.0));
     vec2 way = (b.xy / b.w - a.xy / a.w) * size;
-    vec2 across = vec2(-way.y, way.x) * inversesqrt(max(dot(way, way), 1e-9)) * float(WIDTH);
+    vec2 across = vec2(-way.y, way.x) * inversesqrt(max(dot(way, way), 1e-9)) * width;
     vec4 here = gl_VertexID < 2 ? a : b;
     float side = (gl_VertexID & 1) == 0 ? 1.0 : -1.0;
     gl_Position = here + vec4(across * side / size * here.w, 0.0, 0.0);

@@ -1,6 +1,6 @@
 in vec3 position;
 in mat4 model;
-in float mark;  // here the thing's number
+in float mark;  // here the thing's number, from 1
 uniform mat4 view_projection;
 flat out float number;
 

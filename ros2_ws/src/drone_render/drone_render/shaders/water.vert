@@ -1,7 +1,7 @@
 #include "water_facet.glsl"
 
 in vec3 position;
-uniform mat4 model;
+in mat4 model;
 uniform mat4 view_projection;
 uniform Facet given;
 flat out Facet facet;
