@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray
 from drone_interfaces.msg import Scene as SceneMessage
 from PIL import Image as PillowImage
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
@@ -25,6 +25,7 @@ from tf2_msgs.msg import TFMessage
 
 from drone_render import context
 from drone_render.debug_view import DebugView
+from drone_render.diagnostics import diagnostics
 from drone_render.film import FilmError, Reel
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
@@ -133,14 +134,10 @@ class RenderNode(Node):
             dropped, now = 0, 0
             if self._schedule is not None:
                 dropped, now = self._schedule.dropped, self._schedule.history.latest.stamp
-            values = {"frames drawn": str(self._drawn), "frames dropped": str(dropped), "selected": self._selected}
+            values = {"frames drawn": self._drawn, "frames dropped": dropped, "selected": self._selected}
             times = [value for shutter in self._shutters.values() for value in shutter.report()]
-        status = DiagnosticStatus(name="drone_render: pictures", hardware_id=context.device_name(self._graphics))
-        status.level, status.message = DiagnosticStatus.OK, "drawing" if self._renderer else "waiting for a scene"
-        status.values = [KeyValue(key=key, value=value) for key, value in values.items()] + times
-        message = DiagnosticArray(status=[status])
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, SECOND)
-        self._diagnostics.publish(message)
+            drawing = self._renderer is not None
+        self._diagnostics.publish(diagnostics(context.device_name(self._graphics), drawing, now, values, times))
 
     # What draws, in the thread that owns the context.
 
