@@ -6,7 +6,7 @@ from make.shapes import Array, Model, Part, circle, surface
 
 SQUARE = 7.0  # m, radius of the paved square in the middle
 PLATEAU = 45.0  # m, how far the flat land reaches at least
-SEA = -0.35  # m, height of the water
+SEA = -0.35  # m, height of the water around the island
 CURB = 0.35  # m, how wide the stones around the square are
 STRIP = 7.0  # m from the coast, where the meadow ends
 STEP = 2 * np.pi / 96
@@ -113,9 +113,9 @@ def _shore(edge: Array) -> Part:
 
 
 def water() -> Model:
-    """A disk of 900 m at the height of the sea; the shader makes the waves."""
+    """A disk of 900 m; the shader makes the waves."""
     count = 32
-    rows = [np.column_stack([circle(count) * radius, np.full(count, SEA)]) for radius in (900.0, 350.0, 140.0, 60.0)]
+    rows = [np.column_stack([circle(count) * radius, np.zeros(count)]) for radius in (900.0, 350.0, 140.0, 60.0)]
     return [surface(rows, "water", closed=True, caps=(False, True)).boxed()]
 
 

@@ -245,13 +245,14 @@ class RenderNode(Node):
             self.get_logger().error(f"camera/add: {error}")
             return
         cameras = self._renderer.scene.cameras
+        changed = {name: camera for name, camera in cameras.items() if camera is not old.get(name)}
         self._published.result()
         with self._changed:
-            for name, camera in cameras.items():
-                if camera is not old.get(name):
-                    if name in self._shutters:
-                        self._shutters[name].close()
-                    self._shutters[name] = Shutter(self, name, camera)
+            for name, camera in changed.items():
+                if name in self._shutters:
+                    self._shutters[name].close()
+                self._shutters[name] = Shutter(self, name, camera)
+                self.get_logger().info(f"camera/add: {'another' if name in old else 'a new'} camera '{name}'")
             self._selected = self._selected or next(iter(self._shutters), "")
         self._tf_static.publish(rigid_transforms(cameras))
 

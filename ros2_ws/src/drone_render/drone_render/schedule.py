@@ -37,6 +37,7 @@ class Schedule:
         self._film = None if film is None else Timetable(film)
         self._due: deque[Due] = deque()
         self._late = LATE * SECOND / min(physics, live)  # ns
+        self._shown: int | None = None  # stamp of the last live moment
         self._arrived: float | None = None
         self._pace = 1 / physics  # s of wall time between two states
 
@@ -67,12 +68,17 @@ class Schedule:
         return max(self._due[0].at - now, 0.0) if self._due else None
 
     def pop(self, now: float) -> Due | None:
-        """The next moment that is due. Live ones that are too late are dropped and counted, film is never."""
+        """The next moment that is due. Live ones that are too late are dropped and counted, but for one now and then,
+        as a film that is behind would let nobody see anything; film is never."""
         while self._due and self._due[0].at <= now:
             due = self._due.popleft()
-            if due.live and self.history.latest.stamp - due.moment.stamp > self._late:
+            stamp = due.moment.stamp
+            waited = self._shown is None or not 0 <= stamp - self._shown < self._late
+            if due.live and not waited and self.history.latest.stamp - stamp > self._late:
                 due.live = False
                 self.dropped += 1
+            if due.live:
+                self._shown = stamp
             if due.live or due.film:
                 return due
         return None

@@ -84,6 +84,8 @@ def test_a_film_misses_none() -> None:
     film = [due.moment.stamp for due in drawn if due.film]
     assert film == [round(k * SECOND / 30) for k in range(2, 61)]
     assert schedule.dropped > 0 and not all(due.live for due in drawn)
+    live = [due.moment.stamp for due in drawn if due.live]
+    assert max(np.diff(live)) < 0.25 * SECOND  # whoever watches sees less, but something
 
 
 def test_after_time_went_back_drawing_goes_on_from_there() -> None:

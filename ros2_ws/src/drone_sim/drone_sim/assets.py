@@ -1,10 +1,29 @@
 """Where scenes, models and textures lie: the share folder of the package drone_assets."""
 
 import sys
-from functools import cache
+from collections.abc import Callable
+from functools import cache, wraps
 from pathlib import Path
+from typing import Any, TypeVar, TypeVarTuple
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+Others = TypeVarTuple("Others")
+Content = TypeVar("Content")
+
+
+def read_once(read: Callable[[Path, *Others], Content]) -> Callable[[Path, *Others], Content]:
+    """Keeps what a function reads of a file, for as long as the file stays as it is."""
+
+    @cache
+    def kept(path: Path, changed: int, *others: Any) -> Content:
+        return read(path, *others)
+
+    @wraps(read)
+    def once(path: Path, *others: *Others) -> Content:
+        return kept(path, path.stat().st_mtime_ns if path.exists() else 0, *others)
+
+    return once
 
 
 @cache
@@ -34,14 +53,14 @@ def asset_path(kind: str, name: str, error: type[ValueError] = ValueError, besid
 def image_flaw(path: Path) -> str:
     """Why an image file cannot be read, in one line; nothing if it can."""
     try:
-        return _flaw(path, path.stat().st_mtime_ns)
+        path.stat()
     except OSError as error:
         return error.strerror or str(error)
+    return _flaw(path)
 
 
-@cache
-def _flaw(path: Path, changed: int) -> str:
-    """The same of a file that changed at that time: many materials share their textures."""
+@read_once  # many materials share their textures
+def _flaw(path: Path) -> str:
     from PIL import Image, UnidentifiedImageError  # takes a while, and most scenes are loaded without a picture
 
     try:

@@ -1,18 +1,18 @@
 """Moments of inertia of a model: of the solid that its surface encloses, or of its box if the surface is open."""
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from drone_sim.arrays import Floats
+from drone_sim.assets import read_once
 from drone_sim.mesh import bounds, read_faces, read_vertices
 
 LEAST = 1e-6  # of the box's volume, under which a surface encloses nothing
 HOLE = 0.1  # of a surface's area, up to which holes in it do not matter
 
 
-@cache
+@read_once
 def moments(path: Path) -> tuple[float, float, float]:
     """Moments about the axes through the centre of mass, m2 for each kg, of even density. Raises MeshError.
 

@@ -3,7 +3,6 @@
 import io
 import logging
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from drone_sim.assets import image_flaw
+from drone_sim.assets import image_flaw, read_once
 
 if TYPE_CHECKING:
     import trimesh
@@ -61,7 +60,7 @@ class Model:
     high: npt.NDArray[np.float64]
 
 
-@cache
+@read_once
 def bounds(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Corners (low, high) of the axis-aligned box around a model's vertices, each (3,) float64, in m.
 
@@ -86,13 +85,15 @@ def read_vertices(path: Path) -> npt.NDArray[np.float64]:
 
 def read_faces(path: Path) -> npt.NDArray[np.int64]:
     """Triangles (f, 3) of the vertices as they stand in the file; polygons are fans. What is no number is left out."""
-    faces = []
+    faces, known = [], 0
     for line in _text(path).splitlines():
         if line.startswith("f "):
             corners = [word.split("/")[0] for word in line.split()[1:]]
-            if all(corner.isdigit() for corner in corners):
-                first, *rest = (int(corner) - 1 for corner in corners)
+            if all(corner.removeprefix("-").isdigit() for corner in corners):
+                # Numbers from 1, or backwards from the last vertex so far.
+                first, *rest = (int(corner) + (known if corner[0] == "-" else -1) for corner in corners)
                 faces += [(first, *pair) for pair in pairwise(rest)]
+        known += line.startswith("v ")
     return np.array(faces, np.int64).reshape(-1, 3)
 
 
@@ -110,7 +111,7 @@ def load(path: Path) -> Model:
     return Model(path, tuple(parts), low, high)
 
 
-@cache
+@read_once
 def surface(path: Path) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
     """A model's shape alone: vertices (v, 3) float64 in m, each place once, and triangles (f, 3), counter-clockwise
     seen from outside. Raises MeshError."""

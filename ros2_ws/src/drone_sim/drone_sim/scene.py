@@ -18,7 +18,7 @@ from drone_sim.airframe import Airframe
 from drone_sim.assets import asset_path, image_flaw
 from drone_sim.look import Camera, Light, Render
 from drone_sim.scene_text import as_json
-from drone_sim.strict import ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector, first_error, quoted
+from drone_sim.strict import FOUND, ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector, first_error, quoted
 
 FILE_SIZE_LIMIT = 1 << 20  # bytes; a scene is text that a person wrote
 CAMERA_LIMIT = 64  # each has six topics, which every node of the graph learns of
@@ -154,9 +154,9 @@ class Scene(Strict):
     lights: dict[Name, Light] = Field(default_factory=dict)
     cameras: dict[Name, Camera] = Field(default_factory=dict)
 
-    name: str = "scene"
-    path: Path = Path("scene.yaml")
-    hash: str = ""  # SHA-256 over this file and the models that it names, hexadecimal
+    name: Annotated[str, FOUND] = "scene"
+    path: Annotated[Path, FOUND] = Path("scene.yaml")
+    hash: Annotated[str, FOUND] = ""  # SHA-256 over this file and the models that it names, hexadecimal
 
     @model_validator(mode="after")
     def _frames(self) -> Self:

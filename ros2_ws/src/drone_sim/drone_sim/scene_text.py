@@ -1,6 +1,7 @@
 """The text of a scene file as JSON: YAML without its traps, and with the shorthands of a scene spelt out."""
 
 import json
+import re
 from typing import Any
 
 import yaml
@@ -42,7 +43,8 @@ def _error(problem: str, mark: Any) -> yaml.MarkedYAMLError:
 
 
 class _StrictLoader(yaml.CSafeLoader):
-    """PyYAML keeps the last of two equal keys without a word; here that is an error, as is every bad scalar."""
+    """PyYAML keeps the last of two equal keys without a word; here that is an error, as is every bad scalar. And 1e3 is
+    a number, as in YAML 1.2."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()
@@ -59,6 +61,10 @@ class _StrictLoader(yaml.CSafeLoader):
         except (ArithmeticError, AttributeError, LookupError, ValueError):  # which PyYAML lets through
             problem = f"not a valid {node.tag.rpartition(':')[2]}: {str(node.value)[:60]!r}"
             raise _error(problem, node.start_mark) from None
+
+
+_StrictLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789"))
 
 
 def _spell_out(data: Any) -> Any:

@@ -7,12 +7,16 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 Vector = tuple[float, float, float]
 Unit = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = tuple[Unit, Unit, Unit]
-Rate = Annotated[float, Field(gt=0.0, le=10_000.0)]
+Rate = Annotated[float, Field(ge=0.01, le=10_000.0)]
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
 Topic = Annotated[str, Field(pattern=r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 Mass = Annotated[float, Field(ge=1e-6, le=1e9)]  # kg
-Pose = tuple[float, float, float, float, float, float]
+Place = Annotated[float, Field(ge=-1e7, le=1e7)]  # m, where a number still tells a hundredth of a micrometre
+Pose = tuple[Place, Place, Place, float, float, float]
 ORIGIN: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+FOUND = "found"  # marks what is known of a file without standing in it
 
 
 class Strict(BaseModel):
@@ -29,7 +33,10 @@ def first_error(error: ValidationError, model: Any, prefix: tuple[str, ...] = ()
     if first["type"] == "extra_forbidden":
         message = "unknown key"
         if part := _part(model, first["loc"][:-1]):
-            message += "; allowed are " + (", ".join(sorted(part.model_fields)) or "none")
+            words = sorted(key for key, field in part.model_fields.items() if FOUND not in field.metadata)
+            message += "; allowed are " + (", ".join(words) or "none")
+    elif first["type"] == "missing" and isinstance(first["loc"][-1], int):
+        message = "expected more numbers"
     elif first["type"] not in ("value_error", "missing"):
         message += f", got {quoted(first['input'])}"
     key = ".".join(str(part) for part in (*prefix, *first["loc"]))

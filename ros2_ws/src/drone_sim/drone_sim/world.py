@@ -8,12 +8,13 @@
 
 import math
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from itertools import count
 from typing import Any
 
 import numpy as np
 
-from drone_sim import effects, flight, model
+from drone_sim import effects, flight, mesh, model
 from drone_sim.arrays import Floats
 from drone_sim.collision.detection import Detection
 from drone_sim.collision.events import (
@@ -92,7 +93,7 @@ class World:
         stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
         force, torque = np.zeros((2, m.bodies.count, 3))
         forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
-                                              np.zeros(1))
+                                              np.zeros(1), m.bodies.inverse_mass.copy(), m.bodies.inertia_b.copy())
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
@@ -154,6 +155,8 @@ class World:
         """Finds the contacts of the state as it is, as a step does before it moves anything."""
         if not self._ready:
             self.compile()
+        if self._alone:
+            return
         names = [stage.name for stage in self.program.stages]
         self.program.run(1, names.index("keep"), names.index("warm start") + 1)
 
@@ -188,16 +191,23 @@ class World:
                 raise ValueError(f"{which}: no body is called '{name}'; there are {', '.join(names)}")
         if a == b != "":
             raise ValueError(f"b: expected another object than '{a}'")
+        before, self.detection.levels = self.detection.levels, deepcopy(self.detection.levels)
         self.detection.levels.set(model.LEVELS[level], *(names.index(name) for name in (a, b) if name))
+        try:
+            self.detection.prepare()
+        except mesh.MeshError:
+            self.detection.levels = before
+            raise
         if self.sleep:
             self.sleep.wake(np.flatnonzero(self.model.bodies.movable))
-        self.detection.prepare()
         self._assemble()
         self.compile()
 
     def reset(self) -> None:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
+        bodies = self.model.bodies
+        self.forces.inverse_mass[:], self.forces.inertia_b[:] = bodies.inverse_mass, bodies.inertia_b
         self.detection.clear()
         if self.sleep:
             self.sleep.forget()
@@ -206,7 +216,7 @@ class World:
             self._assemble()
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
-        """Compiles all kernels of the step, telling which comes next, and leaves the world at its start."""
+        """Compiles all kernels of the step, telling which comes next, and leaves the world as it is."""
         programs = (self.acting, self.steering, self.program)
         total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
         for program in programs:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ from drone_sim.effects import ground_effect, water
 from drone_sim.effects.disks import disks
 from drone_sim.effects.submerged import ROWS, submerged
 from drone_sim.rotation import matrix
+from drone_sim.scene import parse
 from drone_sim.world import World
+
+from .conftest import write_box
 
 Make = Callable[..., World]
 G = 9.80665
@@ -227,7 +231,7 @@ def test_buoyancy_is_the_gradient_of_a_potential_in_any_pose() -> None:
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
         water.float_up(np.array([1, 0]), np.array([[0.0, 0.0, height]]), q[None], np.zeros((1, 3)), np.zeros((1, 3)),
                        half[None], np.ones(1), np.ones((1, 3)), 0.0, 1000.0, G, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 1e-3,
-                       scratch, force, torque)
+                       scratch, force, torque, np.ones(1), np.ones((1, 3)))
         up = potential(height + step, turn) - potential(height - step, turn)
         assert force[0, 2] == pytest.approx(-up / (2 * step), abs=1e-2)
         for axis in range(2):
@@ -243,6 +247,28 @@ def test_what_pops_up_takes_water_along(world: Make) -> None:
                     "{density: 1000, coefficient: 0, damping: 0, added_mass: 0.5}}")
     run(balloon, 0.5)
     assert balloon.state.velocity_w[0, 2] == pytest.approx(0.5 * 2 * G, rel=1e-3)  # a bubble rises at 2 g
+
+
+@pytest.mark.parametrize("load", [50, 200])
+def test_a_raft_displaces_what_it_and_its_load_weigh(load: float, tmp_path: Path) -> None:
+    (tmp_path / "models").mkdir()
+    write_box(tmp_path / "models" / "raft.obj", (2.0, 2.0, 0.5), 0.0)
+    write_box(tmp_path / "models" / "crate.obj", (0.6, 0.6, 0.6), 0.3)
+    raft = World(parse("version: 1\neffects: {gravity: {}, water: {density: 1000, damping: 2}}\nobjects:\n"
+                       "  raft: {model: raft, mass: 100}\n"
+                       f"  crate: {{model: crate, mass: {load}, pose: [0, 0, 0.25], friction: 0.9}}\n",
+                       tmp_path / "scenes" / "raft.yaml"))
+    run(raft, 30.0)
+    assert raft.pose("raft")[2] - 0.25 == pytest.approx(-(100 + load) / 4000, abs=1e-3)
+    assert raft.pose("crate")[2] == pytest.approx(raft.pose("raft")[2] + 0.25, abs=1e-3)
+
+
+def test_what_has_sunk_presses_with_what_is_left_of_its_weight(world: Make) -> None:
+    sunk = world(FLOOR + "crate: {model: crate, mass: 240, pose: [0, 0, 0]}",
+                 "dynamics: {sleep: false}\neffects: {gravity: {}, water: {level: 5, density: 1000}}")
+    run(sunk, 2.0)
+    pressed = sum(event.impulse for event in sunk.events) / sunk.dt
+    assert pressed == pytest.approx((240 - 216) * G, rel=1e-2)
 
 
 def test_a_current_takes_along_what_floats(world: Make) -> None:

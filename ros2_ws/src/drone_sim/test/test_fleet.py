@@ -93,6 +93,18 @@ def test_what_can_be_touched_is_many_worlds(scene: Load) -> None:
     assert fleet.state.position_w[0, 2] < 0.1 < fleet.state.position_w[2, 2]
 
 
+def test_what_is_written_wakes_a_copy(scene: Load) -> None:
+    fleet = Fleet(scene("floor: {model: floor, static: true, collision: {level: floor}}\n"
+                        "drone: {model: drone, mass: 1.4, pose: [0, 0, 0.1], flight: {}}", "effects: {gravity: {}}"), 1)
+    fleet.run(90, (0.0, 0.0, -1.0, 0.0))
+    fleet.run(150)
+    assert not fleet.worlds[0].state.is_awake[fleet.worlds[0].model.drones.body[0]]
+    fleet.state.position_w[0] = 0.0, 0.0, 5.0
+    fleet.state.velocity_w[0] = 3.0, 0.0, 0.0
+    fleet.run(15)
+    assert fleet.state.position_w[0, 0] > 0.1
+
+
 @pytest.mark.parametrize(("objects", "text", "why"), [
     (DRONE.replace("model: quadrotor", "model: direct"), "effects: {gravity: {}}", "flight model"),
     (DRONE + "\nother: {model: drone, mass: 1, pose: [5, 0, 1], flight: {cmd_vel: a}}", "effects: {gravity: {}}",

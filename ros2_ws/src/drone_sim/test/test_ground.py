@@ -162,12 +162,44 @@ def test_a_drone_lands_where_it_is_told_and_takes_off_again(place: str) -> None:
     assert world.pose("thing")[2] > landed[2] + 1.0
 
 
+STEP = [(-5, -5, 1), (0, -5, 1), (0, 5, 1), (-5, 5, 1), (0, -5, 0), (5, -5, 0), (5, 5, 0), (0, 5, 0)]
+
+
+@pytest.mark.parametrize("wall", [True, False])
+def test_what_hangs_over_a_step_stays(tmp_path: Path, wall: bool) -> None:
+    """A crate of 0.6 m, a third of it over the edge of ground that drops by a metre, with and without a face there."""
+    faces = [(1, 2, 3), (1, 3, 4), (5, 6, 7), (5, 7, 8)] + [(2, 5, 8), (2, 8, 3)] * wall
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "step.obj").write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in STEP) + "".join(f"f {a} {b} {c}\n" for a, b, c in faces))
+    world = World(parse("version: 1\neffects: {gravity: {}}\nobjects:\n"
+                        "  crate: {model: crate, pose: [-0.1, 0, 1.05], mass: 20, friction: 0.8}\n"
+                        "  step: {model: step, static: true, collision: {level: ground}}\n",
+                        tmp_path / "scenes" / "step.yaml"))
+    world.run(300)
+    assert world.pose("crate")[:2] == pytest.approx([-0.1, 0.0], abs=0.02)
+    assert world.pose("crate")[2] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_ground_may_be_wide(tmp_path: Path) -> None:
+    (tmp_path / "plain.obj").write_text("v -1e4 -1e4 0\nv 1e4 -1e4 0\nv 1e4 1e4 0\nv -1e4 1e4 1\nf 1 2 3\nf 1 3 4\n")
+    found = terrain.build(*mesh.surface(tmp_path / "plain.obj"), tmp_path / "plain.obj")
+    assert len(found.flat) < 300_000
+    assert terrain.below(found.frame, found.start, found.entry, found.face, -9e3, 9e3)[1] == pytest.approx(0.9)
+
+
 # The sea
 
-def test_the_sea_is_where_it_is_drawn() -> None:
-    scene = load("island")
+@pytest.mark.parametrize("name", ["island", "lagoon"])
+def test_the_sea_is_where_it_is_drawn(name: str) -> None:
+    scene = load(name)
     low, high = mesh.bounds(scene.model_path("sea"))
-    assert low[2] == high[2] == scene.effects["water"]["level"] == SEA
+    assert low[2] == high[2] == 0.0
+    assert scene.objects["sea"].pose[2] == scene.effects["water"]["level"]
+
+
+def test_the_sea_covers_the_beach() -> None:
+    assert load("island").effects["water"]["level"] == SEA
 
 
 def test_in_the_sea_a_crate_floats_or_lies_on_the_bed() -> None:

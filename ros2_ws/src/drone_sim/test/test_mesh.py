@@ -1,6 +1,7 @@
 """Models as arrays: what is read, and what is said about models that are not right."""
 
 import logging
+import os
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,20 @@ def test_bounds_are_those_of_the_vertices(tmp_path: Path) -> None:
     np.testing.assert_array_equal(low, [0, 0, -3])
     np.testing.assert_array_equal(high, [2, 1, 0])
     assert low.dtype == np.float64
+
+
+def test_a_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
+    path = write(tmp_path)
+    mesh.bounds(path)
+    path.write_text(path.read_text().replace("-3", "-5"))
+    os.utime(path, ns=(1, 1))
+    assert mesh.bounds(path)[0][2] == -5
+
+
+def test_numbers_of_vertices_may_count_backwards(tmp_path: Path) -> None:
+    path = tmp_path / "two.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf 1 3 -1\n")
+    np.testing.assert_array_equal(mesh.read_faces(path), [[0, 1, 2], [0, 2, 3]])
 
 
 def test_a_model_without_normals_gets_them_from_its_faces(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ BROKEN = [
     ("parent: drone, rotor", "parent: plane, rotor", "objects.rotor.parent: no object is called 'plane'"),
     ("parent: drone, rotor", "parent: wall_0, rotor", "objects.rotor.rotor: 'wall_0' does not fly"),
     ("parent: drone, rotor", "parent: rotor, rotor", "objects.rotor.parent: is its own ancestor"),
-    ("[1, 2, 0]", "[1, 2]", "objects.wall_0.pose.2: Field required"),
+    ("[1, 2, 0]", "[1, 2]", "objects.wall_0.pose.2: expected more numbers"),
     ("version: 1", "version: 2", "version: Input should be 1, got '2'"),
     ("version: 1\n", "", "version: Field required"),
     ("version: 1", "version: 1\nname: mine", "name: is not for the file to say"),

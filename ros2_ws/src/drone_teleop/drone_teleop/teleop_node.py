@@ -15,6 +15,7 @@ from rcl_interfaces.msg import FloatingPointRange, Parameter, ParameterDescripto
 from rcl_interfaces.srv import SetParameters
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
@@ -273,6 +274,9 @@ def main(args: list[str] | None = None) -> int:
                 screen.close()
     except (KeyboardInterrupt, EOFError):
         pass
+    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+        print(f"drone_teleop: {error}", file=sys.stderr)
+        return 1
     finally:
         rclpy.try_shutdown()
     return 0

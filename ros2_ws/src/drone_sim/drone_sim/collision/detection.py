@@ -62,7 +62,7 @@ def approach(awake, binned, solid, position, orientation, velocity, spin, half, 
         a, b = ordered[0, k], ordered[1, k]
         floor_height[k] = floor_of[a] if not np.isnan(floor_of[a]) else floor_of[b]
     lookup(found, ordered[0], ordered[1], default, own, keys, words, level, everything)
-    ahead = margins(found, ordered[0], ordered[1], floor_height, velocity, dt, quick, margin, swept)
+    ahead = margins(found, ordered[0], ordered[1], floor_height, velocity, spin, ball, dt, quick, margin, swept)
     for k in range(found):
         count[FINE] += level[k] >= OCTREE
     count[PAIRS], count[AHEAD] = found, ahead if hurry else 0
@@ -246,7 +246,7 @@ class Detection:
         self._look_ahead(pairs)
         self._impacts.compile(self._state, self._quick, self._meshes)
         self._settle()
-        self.clear()
+        self._binned[:] = -1
 
     def clear(self) -> None:
         """Forgets the last step."""

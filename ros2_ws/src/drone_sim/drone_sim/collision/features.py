@@ -11,7 +11,7 @@ from drone_sim.collision.surface import CORNER, EDGE
 from drone_sim.kernel import kernel
 
 PARALLEL = 1e-6  # squared sine below which two edges have no normal of their own
-TOLERANCE = 1e-9  # of a sine: how far the normal of two edges may leave the wedge of their faces
+TOLERANCE = 1e-3  # of a sine: how far the normal of two edges may leave the wedge of their faces; one may lie in it
 CORNER_OF_A, CORNER_OF_B, EDGES = range(3)  # what a contact is made of
 
 

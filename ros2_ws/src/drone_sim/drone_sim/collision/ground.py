@@ -119,7 +119,7 @@ def _meet_ridge(ridge, r, position, axes, half, i, margin, normal, point, separa
         t = last if end else first
         x, y, z = ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)
         gap = -(nx * x + ny * y + nz * z) - half[i, looks]  # the box's face is on the side that the normal leaves
-        if -half[i, looks] <= gap <= margin:
+        if -2.0 * half[i, looks] <= gap <= margin:  # as deep as the box is thick
             found = put(nx, ny, nz, position[i, 0] + x + gap * nx, position[i, 1] + y + gap * ny,
                         position[i, 2] + z + gap * nz, gap, (1 << 40) + 2 * r + end, normal, point, separation, feature,
                         found)

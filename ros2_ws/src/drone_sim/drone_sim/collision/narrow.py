@@ -47,10 +47,10 @@ def axes_of(orientation, axes):
 
 
 @kernel
-def margins(pairs, pair_a, pair_b, floor_height, velocity, dt, quick, margin, swept):
+def margins(pairs, pair_a, pair_b, floor_height, velocity, spin, ball, dt, quick, margin, swept):
     """Writes for the first `pairs` how far apart the bodies of each are contacts: MARGIN and the way that they may
-    approach in a step; without that way where one is quick and neither a floor: these are marked as swept. Returns how
-    many are."""
+    approach in a step, with floors also by turning; without that way where one is quick and neither a floor: these are
+    marked as swept. Returns how many are."""
     count = 0
     for k in range(pairs):
         a, b = pair_a[k], pair_b[k]
@@ -58,10 +58,13 @@ def margins(pairs, pair_a, pair_b, floor_height, velocity, dt, quick, margin, sw
         swept[k] = (quick[a] or quick[b]) and np.isnan(floor_height[k])
         count += swept[k]
         if not swept[k]:
-            square = 0.0
+            square, turn_a, turn_b = 0.0, 0.0, 0.0
             for c in range(3):
                 square += (velocity[b, c] - velocity[a, c]) ** 2
+                turn_a, turn_b = turn_a + spin[a, c] ** 2, turn_b + spin[b, c] ** 2
             margin[k] += dt * np.sqrt(square)
+            if not np.isnan(floor_height[k]):
+                margin[k] += dt * (np.sqrt(turn_a) * ball[a] + np.sqrt(turn_b) * ball[b])
     return count
 
 

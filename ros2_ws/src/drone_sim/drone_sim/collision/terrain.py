@@ -6,7 +6,7 @@ beyond the model, or in a hole of it, is flat and as low as its lowest point.
 """
 
 import math
-from functools import cache
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,14 +15,17 @@ from numpy.typing import NDArray
 
 from drone_sim import mesh
 from drone_sim.arrays import Floats, Integers
+from drone_sim.assets import read_once
 from drone_sim.kernel import kernel
 from drone_sim.model import Model, object_poses
 from drone_sim.rotation import rotate_all
 
-CELL = 1.0  # m
+CELL = 1.0  # m, of ground that is not too wide for it
+CELLS = 512  # along x or y, at most
 PAD = 0.05  # m, how far beyond itself a face is known
 STEEPEST = 0.02  # cosine of the slope up to which a triangle looks up
 SLACK = 1e-9  # m that a point may lie outside of a face and still be on it
+BEYOND = 1e-3  # m beyond an edge at which the ground is asked for its height there
 BENT = 1e-6  # sine of the angle from which an edge is a ridge
 
 
@@ -104,7 +107,7 @@ def of(model: Model) -> Terrain | None:
     return _read(model.paths[model.ground], tuple(pose.tolist()))
 
 
-@cache
+@read_once
 def _read(path: Path, pose: tuple[float, ...]) -> Terrain:
     vertices, faces = mesh.surface(path)
     if pose[3:] != (0.0, 0.0, 0.0, 1.0):
@@ -129,36 +132,62 @@ def build(vertices: Floats, faces: Integers, path: Path) -> Terrain:
     inner = np.stack([-side[..., 1], side[..., 0]], axis=-1) / np.linalg.norm(side, axis=-1, keepdims=True)
     distance = -(inner * corners[..., :2]).sum(axis=-1)
     table = np.concatenate([normal, offset[:, None], np.dstack([inner, distance]).reshape(-1, 9)], axis=1)
-    ridge = _ridges(vertices, faces, normal)
+    table = np.ascontiguousarray(table)
+    rim = _rim(faces, len(vertices))
 
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    size = np.floor((high[:2] - low[:2]) / CELL).astype(int) + 1
-    frame = np.array([low[0], low[1], 1.0 / CELL, *size, low[2], corners[..., 2].max()])
+    cell = max(CELL, float((high[:2] - low[:2]).max()) / CELLS)
+    size = np.floor((high[:2] - low[:2]) / cell).astype(int) + 1
+    frame = np.array([low[0], low[1], 1.0 / cell, *size, low[2], corners[..., 2].max()])
     cells, which = _spread(corners[..., :2].min(axis=1) - PAD, corners[..., :2].max(axis=1) + PAD, frame)
     flat, top = np.full(size.prod(), np.nan), np.full(size.prod(), low[2])
     np.maximum.at(top, cells, corners[which, :, 2].max(axis=1))
     least = np.full(size.prod(), np.inf)
     np.minimum.at(least, cells, corners[which, :, 2].min(axis=1))
     flat = np.where((least == top) | np.isinf(least), top, np.nan)
-    rim = vertices[_rim(faces, len(vertices))][..., :2]  # beyond which it is as low as can be
-    at_rim, _ = _spread(rim.min(axis=1) - PAD, rim.max(axis=1) + PAD, frame)
+    ends = vertices[_ends(faces)[rim]][..., :2]  # beyond which it is as low as can be
+    at_rim, _ = _spread(ends.min(axis=1) - PAD, ends.max(axis=1) + PAD, frame)
     flat[at_rim[top[at_rim] != low[2]]] = np.nan
     start, entry = _sorted(cells, which, size.prod())
+    steps = _steps(vertices, faces, normal, rim, lambda x, y: below(frame, start, entry, table, x, y)[1])
+    ridge = np.concatenate([_ridges(vertices, faces, normal), steps])
     ends = ridge[:, :6].reshape(-1, 2, 3)[..., :2]
     ridge_low = ends.min(axis=1)
     ridge_cells, of_ridge = _spread(ridge_low, ends.max(axis=1), frame)
     ridge_start, ridge_entry = _sorted(ridge_cells, of_ridge, size.prod())
     first = np.floor((ridge_low - frame[:2]) * frame[2]).astype(np.int32).reshape(-1, 2)
-    return Terrain(frame, start, entry, flat, top, np.ascontiguousarray(table), ridge_start, ridge_entry, ridge,
+    return Terrain(frame, start, entry, flat, top, table, ridge_start, ridge_entry, ridge,
                    np.ascontiguousarray(np.clip(first, 0, size - 1).astype(np.int32)))
 
 
+def _ends(faces: Integers) -> Integers:
+    """The edges (3 f, 2) of faces, three of each, the face to their left."""
+    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+
+
 def _rim(faces: Integers, count: int) -> Integers:
-    """The edges (k, 2) of one face alone."""
-    ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    """Which of the edges are those of one face alone, (k,)."""
+    ends = _ends(faces)
     key = ends.min(axis=1).astype(np.int64) * count + ends.max(axis=1)
     _, first, times = np.unique(key, return_index=True, return_counts=True)
-    return np.asarray(ends[first[times == 1]])
+    return np.asarray(first[times == 1])
+
+
+def _steps(
+    vertices: Floats, faces: Integers, normal: Floats, rim: Integers, height: Callable[[float, float], float]
+) -> Floats:  # fmt: skip
+    """Rows (s, 15) as Terrain has them, of the edges `rim` beyond which the ground, of a height (x, y), is lower: as if
+    a second face went straight down there."""
+    p, q = (vertices[_ends(faces)[rim, k]] for k in range(2))
+    along = (q - p) / np.linalg.norm(q - p, axis=1, keepdims=True)
+    out = np.cross(along, [0.0, 0.0, 1.0])
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    beyond = 0.5 * (p + q) + BEYOND * out
+    lower = np.array([height(x, y) < z - 2.0 * BEYOND for x, y, z in beyond.tolist()], bool)
+    mean = normal[rim // 3] + out
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    down = np.tile([0.0, 0.0, -1.0], (len(p), 1))
+    return np.asarray(np.concatenate([p, q, np.cross(normal[rim // 3], along), down, mean], axis=1)[lower])
 
 
 def _ridges(vertices: Floats, faces: Integers, normal: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Velocities and positions of rigid bodies over a sub-step: the pieces that the schemes of motion.py are made of."""
+"""Velocities and positions of rigid bodies over a sub-step: the pieces that the schemes of schemes.py are made of."""
 
 import math
 

@@ -56,7 +56,7 @@ class Motion:
         return (acting.function, acting.row, steering.function, steering.row, forces.clock, s.awake, m.end, m.pair,
                 m.points, m.normal_w, m.anchor_w, m.separation, m.impulse, m.friction, m.total, s.position_w,
                 s.orientation_w, s.velocity_w, s.angular_velocity_w, forces.force_w, forces.torque_w,
-                bodies.inverse_mass, bodies.inertia_b, self._radius, bodies.friction, bodies.restitution, self._free,
+                forces.inverse_mass, forces.inertia_b, self._radius, bodies.friction, bodies.restitution, self._free,
                 self._held, self._mark, self._start, self._tensor, self._moving, self._gathered, self._hurried,
                 self._used, self._colours, self._size, *self._tables, self._trial, self._setting.substeps,
                 self._passes, self._h)

@@ -32,9 +32,11 @@ def disturbed(end, pair, sleeping):
 
 
 @kernel
-def fall_asleep(awake, still, velocity, angular, radius, dt, drone, landed, end, pair, movable, root, patience):
+def fall_asleep(awake, still, velocity, angular, radius, dt, drone, landed, end, pair, points, total, movable, root,
+                patience, borne):
     """Counts for how long bodies have been still; returns whether an island has been for long enough, and writes for
-    each body the first of its island, root (n,), and for that the time of its last to come to rest."""
+    each body the first of its island, root (n,), and for that the time of its last to come to rest: 0 if no contact
+    bears it, borne (n,), as what merely stands still for a moment may be about to fall."""
     tired = False
     for k in range(1, 1 + awake[0]):
         i = awake[k]
@@ -71,6 +73,15 @@ def fall_asleep(awake, still, velocity, angular, radius, dt, drone, landed, end,
             a = root[a]
         root[i] = a
         patience[a] = min(patience[a], still[i])
+        borne[i] = False
+    for i in range(end[PARTS - 1]):
+        for k in range(points[i]):
+            if total[i, k] > 0.0:
+                for body in pair[i]:
+                    borne[root[body]] = borne[root[body]] or movable[body]
+    for k in range(1, 1 + awake[0]):
+        if not borne[root[awake[k]]]:
+            patience[root[awake[k]]] = 0.0
     for k in range(1, 1 + awake[0]):
         sleepers += patience[root[awake[k]]] >= PATIENCE
     return sleepers
@@ -83,7 +94,7 @@ class Sleep:
         n = setting.model.bodies.count
         self._setting, self._detection = setting, detection
         self._radius: Floats = np.linalg.norm(setting.model.bodies.half, axis=1)
-        self._root, self._patience = np.zeros(n, np.int64), np.zeros(n)
+        self._root, self._patience, self._borne = np.zeros(n, np.int64), np.zeros(n), np.zeros(n, np.bool_)
         self.forget()
         detection.on_waking = self._hand_over
 
@@ -104,7 +115,8 @@ class Sleep:
     def _arguments(self) -> tuple[Any, ...]:
         s, model, m = self._setting.state, self._setting.model, self._detection.manifolds
         return (s.awake, s.still, s.velocity_w, s.angular_velocity_w, self._radius, self._setting.dt, model.drones.body,
-                s.landed, m.end, m.pair, model.bodies.movable, self._root, self._patience)
+                s.landed, m.end, m.pair, m.points, m.total, model.bodies.movable, self._root, self._patience,
+                self._borne)
 
     @property
     def touching(self) -> Touching:

@@ -46,6 +46,8 @@ class Forces(NamedTuple):
     air_w: Floats  # (n, 3) m/s, the air's velocity around each body; (0, 3) where nothing stirs it
     thrust: Floats  # (r,) N along the rotors' z axes, as the flight model has it, before what effects make of it
     clock: Floats  # (1,) s since the step began
+    inverse_mass: Floats  # (n,) of what moves: the bodies, and what they take along
+    inertia_b: Floats  # (n, 3) likewise
 
 
 class Setting(NamedTuple):

@@ -134,6 +134,11 @@ class Fleet:
     def _give(self, k: int, world: World) -> None:
         """Writes the drone of copy k into a World."""
         s, column, d, i = world.state, self._table[:, k], self._drone, self._body
+        if world.sleep and not s.is_awake[i] and any(
+            (there[i] != column[at : at + there.shape[1]]).any()
+            for there, at in ((s.position_w, P), (s.orientation_w, Q), (s.velocity_w, V), (s.angular_velocity_w, A))
+        ):
+            world.sleep.wake(np.array([i]))
         s.position_w[i], s.orientation_w[i] = column[P : P + 3], column[Q : Q + 4]
         s.velocity_w[i], s.angular_velocity_w[i] = column[V : V + 3], column[A : A + 3]
         s.command_b[d], s.hold_w[d] = column[COMMAND : COMMAND + 4], column[HOLD : HOLD + 3]

@@ -1,4 +1,4 @@
-"""The integrators of dynamics/motion.py for blocks of drones, and the loop over blocks and steps."""
+"""The integrators of dynamics/schemes.py for blocks of drones, and the loop over blocks and steps."""
 
 import math
 
