@@ -181,6 +181,28 @@ def test_what_hangs_over_a_step_stays(tmp_path: Path, wall: bool) -> None:
     assert world.pose("crate")[2] == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("steep", [30, 45, 60])
+def test_a_ball_is_stopped_by_a_slope(tmp_path: Path, steep: float) -> None:
+    rise = float(np.tan(np.radians(steep)))
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "slope.obj").write_text(
+        f"v -9 -9 0\nv 0 -9 0\nv 0 9 0\nv -9 9 0\nv 5 -9 {5 * rise}\nv 5 9 {5 * rise}\n"
+        "f 1 2 3\nf 1 3 4\nf 2 5 6\nf 2 6 3\n")
+    world = World(parse("version: 1\neffects: {gravity: {}}\nobjects:\n"
+                        "  ball: {model: crate, pose: [-3, 0, 0.22], mass: 5, collision: {level: sphere}}\n"
+                        "  slope: {model: slope, static: true, collision: {level: ground}}\n",
+                        tmp_path / "scenes" / "slope.yaml"))
+    radius = float(np.linalg.norm(world.model.bodies.half[0]))
+    normal = np.array([-rise, 0.0, 1.0]) / np.hypot(rise, 1.0)
+    world.state.velocity_w[0] = 2.0, 0.0, 0.0
+    clear = []
+    for _ in range(90):
+        world.step()
+        clear.append(float(normal @ world.state.position_w[0]) - radius)
+    assert min(clear) > -0.01  # m
+    assert world.state.velocity_w[0, 0] < 1.9
+
+
 def test_ground_may_be_wide(tmp_path: Path) -> None:
     (tmp_path / "plain.obj").write_text("v -1e4 -1e4 0\nv 1e4 -1e4 0\nv 1e4 1e4 0\nv -1e4 1e4 1\nf 1 2 3\nf 1 3 4\n")
     found = terrain.build(*mesh.surface(tmp_path / "plain.obj"), tmp_path / "plain.obj")

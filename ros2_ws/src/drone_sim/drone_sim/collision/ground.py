@@ -47,10 +47,12 @@ def meet_corner(frame, start, entry, face, x, y, z, radius, name, margin, normal
         f = entry[k]
         nx, ny, nz = face[f, 0], face[f, 1], face[f, 2]
         gap = (nx * x + ny * y + nz * z) - face[f, 3] - radius
-        # Nearer than the own plane, it would be one behind a ridge, which ends before it gets here.
-        if f == own or gap > margin or gap < depth or nx * ox + ny * oy + nz * oz > ALIKE:
-            continue
+        # A corner is nearer to its own plane than to one that it stands in front of: a nearer one lies behind a ridge,
+        # and ends before it gets here. A ball's centre does not get behind any.
         away = gap + radius
+        hidden = gap < depth if radius == 0.0 else away <= 0.0
+        if f == own or gap > margin or hidden or nx * ox + ny * oy + nz * oz > ALIKE:
+            continue
         if within(face, f, x - away * nx, y - away * ny) >= -NEAR:
             found = put(nx, ny, nz, x - radius * nx, y - radius * ny, z - radius * nz, gap, name + 8 * (f + 1), normal,
                         point, separation, feature, found)
