@@ -50,6 +50,13 @@ def graph(domain_id: int, spawn: Spawn) -> Iterator[Graph]:
         yield graph
 
 
+@pytest.fixture(autouse=True)
+def _listen_for_one_test(request: pytest.FixtureRequest) -> Iterator[None]:
+    yield
+    if "graph" in request.fixturenames:
+        request.getfixturevalue("graph").stop_listening()
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """What ended in an earlier test is no business of this one."""
     processes = item.config.stash.get(_RUNNING, [])

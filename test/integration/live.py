@@ -20,6 +20,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
 T = TypeVar("T")
 
@@ -134,6 +135,7 @@ class Graph:
         self.node: Node = rclpy.create_node("test", context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._ears: list[Subscription] = []
 
     def __enter__(self) -> Self:
         return self
@@ -144,10 +146,15 @@ class Graph:
         rclpy.shutdown(context=self._context)
 
     def listen(self, kind: type[Any], topic: str, qos: QoSProfile | int = 100, raw: bool = False) -> list[Any]:
-        """Subscribes; the list grows by every message that arrives (CDR bytes if `raw`)."""
+        """Subscribes until the test ends; the list grows by every message that arrives (CDR bytes if `raw`)."""
         heard: list[Any] = []
-        self.node.create_subscription(kind, topic, heard.append, qos, raw=raw)
+        self._ears.append(self.node.create_subscription(kind, topic, heard.append, qos, raw=raw))
         return heard
+
+    def stop_listening(self) -> None:
+        """Ends all subscriptions: what nobody reads would keep the next test from reading its own."""
+        while self._ears:
+            self.node.destroy_subscription(self._ears.pop())
 
     def publisher(self, kind: type[Any], topic: str, qos: QoSProfile | int = 10) -> Publisher:
         """A publisher that has at least one subscriber by the time that this returns."""

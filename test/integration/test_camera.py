@@ -93,9 +93,11 @@ def test_depth_and_labels_come_with_the_names_of_what_they_show(graph: Graph) ->
 
 
 def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
-    images = {view: graph.listen(Image, f"camera/chase{view}/image_raw", qos_profile_sensor_data) for view in VIEWS}
-    infos = {view: graph.listen(CameraInfo, f"camera/chase{view}/camera_info", qos_profile_sensor_data)
+    images = {view: graph.listen(Image, f"camera/round{view}/image_raw", qos_profile_sensor_data) for view in VIEWS}
+    infos = {view: graph.listen(CameraInfo, f"camera/round{view}/camera_info", qos_profile_sensor_data)
              for view in VIEWS}
+    around = "round: {orbit: {radius: 5, height: 2, period: 9}, size: [64, 48]}"
+    graph.publisher(String, "camera/add").publish(String(data=around))
     places = graph.listen(TFMessage, "tf")
 
     def together() -> set[int]:
@@ -103,13 +105,13 @@ def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
         return set.intersection(*(set(stamps(each[view])) for each in (images, infos) for view in VIEWS))
 
     def turns() -> list[TransformStamped]:
-        return [t for message in places for t in message.transforms if t.child_frame_id == "chase"]
+        return [t for message in places for t in message.transforms if t.child_frame_id == "round"]
 
     graph.wait_for(lambda: len(together()) > 10 and len(turns()) > 10, "all six and the place, of several moments")
     for view in VIEWS:
         for each in (images[view], infos[view]):
             assert np.all(np.diff(stamps(each)) > 0), view
-        assert infos[view][-1].k[0] == infos[""][0].k[0] and infos[view][-1].header.frame_id == "chase_optical"
+        assert infos[view][-1].k[0] == infos[""][0].k[0] and infos[view][-1].header.frame_id == "round_optical"
     assert np.all(np.diff(stamps(turns())) > 0)
 
 
