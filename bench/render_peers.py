@@ -41,9 +41,9 @@ class Drawer(Protocol):
 class Worker:
     """A process that draws; it starts while others do, and whoever asks first waits for it."""
 
-    def __init__(self, name: str, *arguments: str) -> None:
+    def __init__(self, name: str) -> None:
         self.name = name
-        self._process = subprocess.Popen([sys.executable, __file__, name, *arguments], stdin=subprocess.PIPE,
+        self._process = subprocess.Popen([sys.executable, __file__, name], stdin=subprocess.PIPE,
                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def about(self) -> str:
@@ -76,7 +76,7 @@ class Worker:
 
 def main() -> None:
     module, _, mode = PEERS[sys.argv[1]].partition(":")
-    drawer: Drawer = importlib.import_module(module).Drawer(*([mode] if mode else []), *sys.argv[2:])
+    drawer: Drawer = importlib.import_module(module).Drawer(*([mode] if mode else []))
     frame: Callable[[float], Bytes] | None = None
     for line in sys.stdin:
         order = json.loads(line)

@@ -93,7 +93,7 @@ class Drawer:
         near, far = scenery.NEAR, scenery.FAR
         projection = np.array([[focal * height / width, 0, 0, 0], [0, focal, 0, 0],
                                [0, 0, (far + near) / (near - far), 2 * far * near / (near - far)], [0, 0, -1, 0]])
-        rows = np.empty((height, width, 4), np.uint8)
+        rows = np.empty((height, width, 3), np.uint8)
 
         def frame(number: float) -> Bytes:
             target.use()
@@ -105,7 +105,7 @@ class Drawer:
                 for unit, texture in enumerate(maps):
                     texture.use(unit)
                 array.render()
-            target.read_into(rows, components=4, alignment=1)
-            return rows[::-1, :, :3].copy()
+            target.read_into(rows, components=3, alignment=1)
+            return rows[::-1]
 
         return frame

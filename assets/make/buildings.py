@@ -18,7 +18,7 @@ def gable(
     for side in (1, -1):
         slab = box((length, width + 2 * overhang, 0.12), (length / 2, 0, 0.07), roof)
         slab = Part(slab.corners, np.stack([slab.corners[..., 1], -slab.corners[..., 0]], axis=-1), roof, 0.3)
-        fascia = box((0.06, width + 2 * overhang + 0.04, 0.18), (length, 0, 0.05), "trim")
+        fascia = box((0.06, width + 2 * overhang + 0.04, 0.18), (length - 0.035, 0, 0.0), "trim")
         model += [
             part.moved(pitch=slope).moved((0, 0, ridge)).moved(yaw=0 if side > 0 else np.pi) for part in (slab, fascia)
         ]
