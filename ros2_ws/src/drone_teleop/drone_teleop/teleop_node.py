@@ -15,6 +15,7 @@ from rcl_interfaces.msg import FloatingPointRange, Parameter, ParameterDescripto
 from rcl_interfaces.srv import SetParameters
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -31,6 +32,7 @@ from drone_teleop.terminal import Keyboard
 
 KEY_PERIOD = 0.02  # s between two looks at the keyboard
 HOLD_PERIOD = 0.1
+ARRIVES_WITHIN = Duration(seconds=0.3)  # or the last word of a process that ends is lost on a busy machine
 DEPTH = 3  # of the octrees that drone_sim shows at first
 STATUS_PERIOD = 0.2
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -91,10 +93,11 @@ class TeleopNode(Node):
             self.create_timer(period, callback, clock=steady)
 
     def let_go(self) -> None:
-        """Lets go of all keys and says so."""
+        """Lets go of all keys, says so, and waits until that has arrived."""
         self._hand.release()
         self._command()
         self._ground()
+        self._cmd_vel.wait_for_all_acked(ARRIVES_WITHIN)
 
     def _read_keys(self) -> None:
         for key in self._keyboard.read():
