@@ -4,7 +4,7 @@ VENV   ?= .venv
 ARGS   ?=
 
 PINS       := $(filter-out requirements/bench.txt,$(wildcard requirements/*.txt))
-INTERFACES := ros2_ws/src/drone_interfaces ros2_ws/src/drone_assets \
+INTERFACES := ros2_ws/src/drone_interfaces \
               ros2_ws/underlay/tf2_msgs ros2_ws/underlay/simulation_interfaces
 SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py' -not -name '*.pyc')
 RUN        := $(VENV)/bin/python

@@ -19,8 +19,8 @@ from judging import CONTACTS, HALVINGS, LEVELS, QUERIES, REPEATS, Tally, judge
 from report import Row, machine, report
 from rich.progress import Progress
 
-from drone_sim.assets import asset_path
-from drone_sim.model import MEETING
+from drone_engine.assets import asset_path
+from drone_engine.collision_level import TESTED
 
 OUT = Path(__file__).parents[1] / "docs" / "accuracy"
 SCENES = {"ring": 6, "hangar": 6, "island": 4}  # how often each thing in it is flown at
@@ -43,7 +43,7 @@ def fly(scene: str, passes: int, tallies: dict[str, Tally], progress: Progress) 
         judge(tallies[e.path_b.stem], e, e)
         progress.advance(task)
     costs = {}
-    for level in MEETING:
+    for level in TESTED:
         costs[level] = detection_cost(flight, level)
         progress.advance(task)
     return costs
@@ -87,7 +87,7 @@ def summary(tally: Tally) -> dict[str, dict[str, float | int | None]]:
         "depth_median": of(tally.depth[i], 50), "depth_95": of(tally.depth[i], 95),
         "normal_median": of(tally.normal[i], 50), "normal_95": of(tally.normal[i], 95),
         "question_us": of(tally.question[i]), "answer_us": of(tally.answer[i]),
-    } for i, name in enumerate(MEETING)}
+    } for i, name in enumerate(TESTED)}
 
 
 def whole(tallies: dict[str, Tally]) -> Tally:

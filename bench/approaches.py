@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 from flights import Encounter
 
-from drone_sim import mesh
-from drone_sim.arrays import Floats
-from drone_sim.collision import Shape, intersects
-from drone_sim.rotation import rotate_all
+from drone_engine.arrays import Floats
+from drone_engine.collision import Shape, intersects
+from drone_engine.geometry import mesh
+from drone_engine.math.rotation import rotate_all
 
 STEP = 0.01  # m from one row of a line to the next
 AHEAD = 0.1  # m between the bounding spheres where a line starts

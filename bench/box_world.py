@@ -8,10 +8,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from drone_sim.arrays import Floats
-from drone_sim.rotation import inverse, rotate_all
-from drone_sim.scene import Dynamics, Scene, parse
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.math.rotation import inverse, rotate_all
+from drone_engine.scene.schema import Dynamics, Scene, parse
+from drone_engine.world import World
 
 G = 9.80665  # m/s^2
 GRAVITY = "gravity: {}"

@@ -20,9 +20,10 @@ from clock import Times, side_by_side
 from pairs import Boxes, Mesh
 from report import Row, report
 
-from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import obb, octree, traversal
-from drone_sim.collision.grid import Grid
+from drone_engine.arrays import Booleans, Floats, Integers
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.broad_phase.grid import Grid
+from drone_engine.collision.mesh import octree, traversal
 
 SHOWN = 3  # disagreements of a row that are printed in full
 FRAMES = {1000: 0.2, 10_000: 3.0, 100_000: 40.0}  # boxes: ms asked

@@ -4,12 +4,14 @@ from functools import cache
 
 import numpy as np
 
-from drone_sim.arrays import Floats
-from drone_sim.collision import OBB, SPHERE, Shape, obb, sphere
-from drone_sim.collision.manifold import Manifolds
-from drone_sim.collision.meshes import Meshes
-from drone_sim.collision.narrow import Placed
-from drone_sim.collision.shape import axes_at
+from drone_engine.arrays import Floats
+from drone_engine.collision import OBB, SPHERE, Shape
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import sphere
+from drone_engine.collision.box.contacts import Placed
+from drone_engine.collision.manifold import Manifolds
+from drone_engine.collision.mesh.narrow import Meshes
+from drone_engine.collision.mesh.shape import axes_at
 
 
 def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:

@@ -10,9 +10,9 @@ import numpy as np
 from box_world import Box, Setting, world_of
 from rich.progress import Progress
 
-from drone_sim.effects import EFFECTS
-from drone_sim.scene import parse
-from drone_sim.world import World
+from drone_engine.effects import EFFECTS
+from drone_engine.scene.schema import parse
+from drone_engine.world import World
 
 SETTING = Setting(rate=240.0, substeps=1)
 BLOCK = 0.5  # s of simulated time between commands, and in one timing

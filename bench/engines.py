@@ -10,8 +10,8 @@ import numpy as np
 import pybullet
 from box_world import Box, G, Setting, depth, energy, fastest, world_of
 
-from drone_sim.arrays import Floats
-from drone_sim.rotation import from_rpy, inverse, rotate_all
+from drone_engine.arrays import Floats
+from drone_engine.math.rotation import from_rpy, inverse, rotate_all
 
 ROOM = 4 << 30  # bytes that MuJoCo may take for contacts
 STIFFNESS = 0.5  # of MuJoCo's contacts that give speed back: their frequency in rad a step

@@ -10,11 +10,11 @@ import quadrotors
 from clock import Times, side_by_side
 from report import Row
 
-from drone_sim import effects
-from drone_sim.arrays import Floats
-from drone_sim.fleet import Fleet
-from drone_sim.scene import load
-from drone_sim.world import World
+from drone_engine import effects
+from drone_engine.arrays import Floats
+from drone_engine.fleet import Fleet
+from drone_engine.scene.schema import load
+from drone_engine.world import World
 
 COMMAND = (1.0, 0.0, 0.0, 0.2)  # m/s, rad/s
 ASKED = {"step": 300e3, "hundred": 4e6, "thousand": 12e6}

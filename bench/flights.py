@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from drone_sim.arrays import Floats
-from drone_sim.collision.grid import Grid, bounds
-from drone_sim.collision.narrow import axes_of
-from drone_sim.scene import Collision, load
-from drone_sim.state import State
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.collision.box.contacts import axes_of
+from drone_engine.collision.broad_phase.grid import Grid, bounds
+from drone_engine.scene.schema import Collision, load
+from drone_engine.state import State
+from drone_engine.world import World
 
 DRONE = "user_drone"
 SPEED, TRANSFER = 1.5, 6.0  # m/s, past a thing and on the way to the next

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import ellipj, ellipk, ellipkinc
 
-from drone_sim.arrays import Floats, Integers
+from drone_engine.arrays import Floats, Integers
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 PIECE = 0.5  # of 1 / speed of the functions' argument, over which one quadrature reaches

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from drone_sim.arrays import Floats
-from drone_sim.collision.octree import DEPTH, Octree
-from drone_sim.collision.triangle_closest import closest
-from drone_sim.kernel import kernel
-from drone_sim.rotation import matrix
+from drone_engine.arrays import Floats
+from drone_engine.collision.mesh.octree import DEPTH, Octree
+from drone_engine.collision.triangle.closest import closest
+from drone_engine.kernel import kernel
+from drone_engine.math.rotation import matrix
 
 STACK = 64 * DEPTH
 

@@ -20,10 +20,12 @@ import wrong_answers
 from report import Row, report
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from drone_sim.arrays import Booleans
-from drone_sim.collision import Shape, intersects, obb, triangle
-from drone_sim.collision.grid import Grid
-from drone_sim.model import OBB, OCTREE, SPHERE, TRIANGLE
+from drone_engine.arrays import Booleans
+from drone_engine.collision import Shape, intersects
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.broad_phase.grid import Grid
+from drone_engine.collision.triangle import intersection as triangle
+from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "test/hard_cases"))
 

@@ -6,7 +6,7 @@ They come of one seed, so that every engine gets the same; density 100 kg/m3, fr
 import numpy as np
 from box_world import Box
 
-from drone_sim.arrays import Floats
+from drone_engine.arrays import Floats
 
 RATE = 240.0  # Hz
 STATIC, DENSITY, FRICTION = 150, 100.0, 0.6

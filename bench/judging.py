@@ -11,11 +11,11 @@ from deepest import deepest
 from flights import Encounter
 from gaps import gap
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import TRIANGLE, Shape, intersects
-from drone_sim.model import MEETING
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision import TRIANGLE, Shape, intersects
+from drone_engine.collision_level import TESTED
 
-LEVELS = range(len(MEETING))  # sphere, obb, octree, triangle
+LEVELS = range(len(TESTED))  # sphere, obb, octree, triangle
 QUIET = 1.0  # s without a hit before the next one counts as a new alarm
 HALVINGS = 12  # of the time between two rows, to find when an alarm began
 REPEATS = 5  # of each timing, of which the median counts

@@ -11,7 +11,7 @@ import motion_whole
 from box_world import Setting
 from motion_outcome import Outcome
 
-from drone_sim.scene import Dynamics
+from drone_engine.scene.schema import Dynamics
 
 INTEGRATORS: tuple[str, ...] = get_args(Dynamics.model_fields["integrator"].annotation)
 PLAIN, SLEEPING = Setting(), Setting(sleep=True)

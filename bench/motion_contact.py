@@ -6,8 +6,8 @@ import numpy as np
 from box_world import Box, G, Setting, advance, depth, energy, fastest, world_of
 from motion_outcome import Outcome, Reached, thinned
 
-from drone_sim.rotation import from_rpy, rotate_all
-from drone_sim.world import World
+from drone_engine.math.rotation import from_rpy, rotate_all
+from drone_engine.world import World
 
 EDGE = 0.6  # m, of a crate
 FRICTION = 0.5

@@ -7,8 +7,8 @@ from box_world import GRAVITY, Box, G, Setting, advance, angular_momentum, energ
 from free_rotation import attitude
 from motion_outcome import Outcome, Reached, thinned
 
-from drone_sim.arrays import Floats
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.world import World
 
 SIZE, MASS = (1.0, 4.0, 9.0), 10.0
 VELOCITY, RATE = np.array([-2.0, 2.0, 8.0]), np.array([0.1, 5.0, 0.1])  # of Gazebo's benchmark 'boxes'

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from drone_sim.arrays import Floats
+from drone_engine.arrays import Floats
 
 SHOWN = 200  # points of a series that a plot needs
 DIGITS = 4  # of a number in a plot

@@ -10,8 +10,8 @@ from engines import Boxes, Ours
 from free_rotation import attitude
 from motion_free import MASS, RATE, SIZE, VELOCITY, angle_between
 
-from drone_sim.arrays import Floats
-from drone_sim.rotation import from_rpy, rotate_all
+from drone_engine.arrays import Floats
+from drone_engine.math.rotation import from_rpy, rotate_all
 
 EDGE = 0.6  # m, of a crate
 FRICTION, STEEPNESS = 0.5, 1.5  # of a slope, and its angle over that of friction

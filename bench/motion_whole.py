@@ -6,10 +6,10 @@ import numpy as np
 from box_world import Box, Setting, with_dynamics, world_of
 from motion_outcome import Outcome, Reached, thinned
 
-from drone_sim.arrays import Floats
-from drone_sim.pacing import Pacer
-from drone_sim.scene import load
-from drone_sim.world import Command, World
+from drone_engine.arrays import Floats
+from drone_engine.scene.schema import load
+from drone_engine.world import Command, World
+from drone_sim.node.pacing import Pacer
 
 CUBE, PLATE = 0.05, (2.0, 2.0, 0.01)  # m
 AT_ONCE = 50  # cubes in one world, each in front of a plate of its own

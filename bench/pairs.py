@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from numpy.random import Generator
 
-from drone_sim.arrays import Floats, Integers
+from drone_engine.arrays import Floats, Integers
 
 
 class Boxes(NamedTuple):

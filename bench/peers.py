@@ -9,7 +9,7 @@ import fcl
 import numpy as np
 from pairs import Boxes, Frame, Mesh, matrices
 
-from drone_sim.arrays import Booleans, Floats, Integers
+from drone_engine.arrays import Booleans, Floats, Integers
 
 NAMES = {"coal": f"coal {version('coal')}", "fcl": f"python-fcl {version('python-fcl')}"}
 EVERYTHING = 1_000_000  # contacts

@@ -14,10 +14,10 @@ import numpy as np
 from clock import Times, side_by_side
 from report import Row, report
 
-from drone_sim.arrays import Floats
-from drone_sim.fleet import Fleet
-from drone_sim.scene import Scene, load
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.fleet import Fleet
+from drone_engine.scene.schema import Scene, load
+from drone_engine.world import World
 
 RATE = 240  # Hz
 SCENE = f"""version: 1

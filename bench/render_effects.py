@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from report import Row
 
+from drone_engine.scene import schema as scenes
+from drone_engine.scene.schema import Scene
+from drone_engine.world import World
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.lines import read_markers
 from drone_render.renderer import Renderer
-from drone_sim import scene as scenes
-from drone_sim.markers import Markers
-from drone_sim.scene import Scene
-from drone_sim.world import World
+from drone_sim.wire.markers import Markers
 
 VIEWS = ("chase", "overview", "orbit")
 REPEATS = 4  # of all views in a round

@@ -9,10 +9,10 @@ import numpy as np
 import render_scene as scenery
 from render_scene import Bytes
 
+from drone_engine.scene import schema as scenes
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim import scene as scenes
 
 PAINT = "newmtl paint\nKd 1 1 1\nKs {0} {0} {0}\nNs {1}\nmap_Kd ../textures/{2}.png\nnorm ../textures/{2}_normal.png\n"
 SCENE = """

@@ -10,9 +10,9 @@ import numpy as np
 import render_scene as scenery
 from render_scene import Bytes
 
+from drone_engine.arrays import Floats
 from drone_render import context
 from drone_render.context import write
-from drone_sim.arrays import Floats
 
 VERTEX = """#version 330
 uniform mat4 clip; uniform mat4 model;

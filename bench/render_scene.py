@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from drone_sim.arrays import Floats, Integers
+from drone_engine.arrays import Floats, Integers
 
 SIZES = ((320, 240), (640, 480), (1280, 720))
 HEIGHT_OF_VIEW = 60.0  # degrees, from the bottom of the picture to its top

@@ -3,8 +3,8 @@
 import numba
 import numpy as np
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision.sat import BLOCK, gaps
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.box.sat import BLOCK, gaps
 
 ROWS = 27  # offset 0, half extents 3 and 6, axes 9 and 18
 

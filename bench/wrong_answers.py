@@ -10,8 +10,9 @@ import peers
 from pairs import Boxes
 from report import Row
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import obb, triangle
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.triangle import intersection as triangle
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "test/hard_cases"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "figures"))

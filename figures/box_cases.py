@@ -7,8 +7,8 @@ import style
 import textbook
 from matplotlib.figure import Figure
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import obb
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.box import box as obb
 
 EPSILON = 2.0**-53
 X_STEPS, Y_STEPS = "x of B, steps of 1 ulp", "y of B, steps of 1 ulp"

@@ -12,13 +12,13 @@ import style
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from drone_sim.arrays import Floats
-from drone_sim.effects import downwash, gusts, wind
-from drone_sim.effects.ground_effect import CLOSEST, gain
-from drone_sim.effects.noise import streams
-from drone_sim.flight.quadrotor import SPEED
-from drone_sim.scene import load
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.effects import downwash, gusts, wind
+from drone_engine.effects.ground_effect import CLOSEST, gain
+from drone_engine.effects.noise import streams
+from drone_engine.flight.quadrotor import SPEED
+from drone_engine.scene.schema import load
+from drone_engine.world import World
 
 OUT = Path(__file__).parents[1] / "docs" / "effects"
 SIZE, PLACE = (6.4, 3.0), (0.105, 0.17, 0.865, 0.68)

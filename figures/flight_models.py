@@ -8,11 +8,11 @@ import numpy as np
 import style
 from accuracy_plot import tidy
 
-from drone_sim.arrays import Floats
-from drone_sim.flight.quadrotor import SPEED
-from drone_sim.rotation import rotate_all
-from drone_sim.scene import load
-from drone_sim.world import World
+from drone_engine.arrays import Floats
+from drone_engine.flight.quadrotor import SPEED
+from drone_engine.math.rotation import rotate_all
+from drone_engine.scene.schema import load
+from drone_engine.world import World
 
 OUT = Path(__file__).parents[1] / "docs" / "images" / "flight_models.png"
 RATE = 240  # Hz

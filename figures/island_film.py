@@ -12,16 +12,16 @@ from rich.progress import track
 from scipy.interpolate import CubicSpline
 
 from drone_ai.pilot import Observation, Pilot
+from drone_engine.arrays import Floats
+from drone_engine.math.rotation import compose
+from drone_engine.scene.schema import Scene, load
+from drone_engine.world import Command, World
 from drone_render import context
 from drone_render.film import Film
 from drone_render.history import History, Moment, State
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim.arrays import Floats
-from drone_sim.cdr import SECOND
-from drone_sim.rotation import compose
-from drone_sim.scene import Scene, load
-from drone_sim.world import Command, World
+from drone_sim.wire.cdr import SECOND
 
 OUT = Path(__file__).parents[1] / "docs" / "figures"
 SIZE, RATE = (640, 360), 30  # pixels, pictures per s

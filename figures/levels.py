@@ -11,15 +11,15 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
+from drone_engine.arrays import Floats
+from drone_engine.math.rotation import compose
+from drone_engine.scene.schema import Collision, Scene, load
+from drone_engine.world import Command, World
 from drone_render import context
 from drone_render.film import Film
 from drone_render.hierarchy import Hierarchy
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim.arrays import Floats
-from drone_sim.rotation import compose
-from drone_sim.scene import Collision, Scene, load
-from drone_sim.world import Command, World
 
 OUT = Path(__file__).parents[1] / "docs" / "collision"
 LEVELS = {

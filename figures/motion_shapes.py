@@ -7,7 +7,7 @@ import numpy as np
 import style
 from matplotlib.figure import Figure
 
-from drone_sim.arrays import Floats
+from drone_engine.arrays import Floats
 
 LEFT = (-0.005, 0.03, 0.36, 0.74)
 GROUND = "#c9d1da"

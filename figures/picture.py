@@ -13,15 +13,15 @@ from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont, ImageOps
 from style import INK
 
+from drone_engine.arrays import Floats
+from drone_engine.scene.schema import OwnCollision, Scene, load
+from drone_engine.world import World
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.lines import read_markers
 from drone_render.renderer import Renderer
 from drone_render.view import pose
-from drone_sim.arrays import Floats
-from drone_sim.markers import Markers
-from drone_sim.scene import OwnCollision, Scene, load
-from drone_sim.world import World
+from drone_sim.wire.markers import Markers
 
 OUT = Path(__file__).parents[1] / "docs" / "figures"
 SIZE, QUALITY = (1280, 720), 90  # pixels; of the JPEG

@@ -12,8 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from drone_sim.arrays import Booleans, Floats, Integers
-from drone_sim.collision import grid, obb, octree, triangle
+from drone_engine.arrays import Booleans, Floats, Integers
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.broad_phase import grid
+from drone_engine.collision.mesh import octree
+from drone_engine.collision.triangle import intersection as triangle
 
 LEVELS = ("sphere", "obb", "octree", "triangle")
 PROBES = np.array([[1.38, 0.0, 0.62], [0.1, 0.0, -0.08], [-0.62, 0.0, 0.52], [-0.51, 0.0, -0.51]])

@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from PIL import Image
 
-from drone_sim.arrays import Booleans, Floats, Integers
+from drone_engine.arrays import Booleans, Floats, Integers
 
 FIRST, SECOND = "#3f78b8", "#efa22f"  # A and B
 INK, FAINT = "#22272e", "#8a94a0"

@@ -5,7 +5,7 @@ Touching counts as a hit. All take n pairs and return (n,). Sums are written out
 
 import numpy as np
 
-from drone_sim.arrays import Booleans, Floats
+from drone_engine.arrays import Booleans, Floats
 
 NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 

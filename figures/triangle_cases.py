@@ -5,8 +5,8 @@ import style
 import textbook
 from matplotlib.figure import Figure
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import triangle
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.triangle import intersection as triangle
 
 REACH = 20  # steps each way of a map
 A = np.array([[0.15, 0.1, 0.2], [1.35, 0.35, 0.55], [0.45, 1.25, 0.9]])  # most cases' first triangle

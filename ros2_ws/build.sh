@@ -27,8 +27,8 @@ fi
 for package in "$source_dir"/drone_*/setup.py; do dirname "$package"; done \
   > "$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/drone_sim_workspace.pth"
 
-# The commands `topic` and `drone_sim`, which work in an environment that is not activated, too.
-for command in topic drone_sim; do
+# The commands `topic` and `drone_engine`, which work in an environment that is not activated, too.
+for command in topic drone_engine; do
   printf '#!/bin/sh\nPYTHONPATH="%s" exec "%s" -P -m %s "$@"\n' "${source_dir%/src}" "$python" "$command" \
     > "$venv/bin/$command" && chmod +x "$venv/bin/$command"
 done

@@ -13,9 +13,9 @@ from flights import Encounter
 from gaps import gap
 from judging import Tally, alarms, answers, compare_contacts, count, measure_alarms
 
-from drone_sim.assets import asset_path
-from drone_sim.collision import octree
-from drone_sim.collision.triangle_closest import closest
+from drone_engine.assets import asset_path
+from drone_engine.collision.mesh import octree
+from drone_engine.collision.triangle.closest import closest
 
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),

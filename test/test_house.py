@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TOOLS = Path(sys.executable).parent
-PACKAGES = ("drone_sim", "drone_render", "drone_teleop", "drone_ai")
+PACKAGES = ("drone_engine", "drone_sim", "drone_render", "drone_teleop", "drone_ai")
 
 
 def run(*command: str) -> None:

@@ -12,7 +12,7 @@ import yaml
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from drone_sim.message_types import UnknownTypeError, full_name, message_class
+from drone_sim.wire.message_types import UnknownTypeError, full_name, message_class
 
 from .message_yaml import FieldError, as_data, dump, fill, pick
 

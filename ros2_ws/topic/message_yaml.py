@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from drone_sim.message_types import full_name, message_class
+from drone_sim.wire.message_types import full_name, message_class
 
 LONG = 128  # items of an array or characters of a string, beyond which they are shortened
 

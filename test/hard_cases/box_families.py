@@ -10,7 +10,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.random import Generator
 
-from drone_sim.arrays import Floats
+from drone_engine.arrays import Floats
 
 Pairs = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import all_boxes_touch, boxes_touch
 
-from drone_sim.collision import obb
+from drone_engine.collision.box import box as obb
 
 COUNT = 3000  # pairs of a family; the long counts are in `make hard-cases`
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import grid
-from drone_sim.collision.grid import Grid
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.broad_phase import grid
+from drone_engine.collision.broad_phase.grid import Grid
 
 Boxes = tuple[Floats, Floats]  # low, high
 

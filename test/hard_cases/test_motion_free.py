@@ -9,7 +9,7 @@ from free_rotation import attitude, rates
 from motion_cases import CASES
 from scipy.integrate import solve_ivp
 
-from drone_sim.arrays import Floats
+from drone_engine.arrays import Floats
 
 Hold = Callable[..., None]
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import all_spheres_touch, spheres_touch
 
-from drone_sim.collision import sphere
+from drone_engine.collision.box import sphere
 
 COUNT = 20_000
 Spheres = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]

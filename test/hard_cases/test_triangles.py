@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from triangle_families import FAMILIES
 
-from drone_sim.arrays import Floats
-from drone_sim.collision import triangle
+from drone_engine.arrays import Floats
+from drone_engine.collision.triangle import intersection as triangle
 
 SAMPLE = 2000  # pairs of each family; a quarter of them where the oracle's numbers have a thousand bits
 

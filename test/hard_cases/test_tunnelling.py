@@ -6,11 +6,12 @@ The long count: `shots_through(10_000, level)`.
 import numpy as np
 import pytest
 
-from drone_sim.arrays import Booleans, Floats
-from drone_sim.collision import octree, sweep
-from drone_sim.collision.advancement import IMPACT
-from drone_sim.model import OBB, OCTREE, TRIANGLE
-from drone_sim.rotation import inverse, rotate_all
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.continuous import sweep
+from drone_engine.collision.continuous.advancement import IMPACT
+from drone_engine.collision.mesh import octree
+from drone_engine.collision_level import OBB, OCTREE, TRIANGLE
+from drone_engine.math.rotation import inverse, rotate_all
 
 SHOTS = 500  # of each kind in every run of the tests
 DT = 1 / 30

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.random import Generator
 
-from drone_sim.arrays import Floats, Integers
+from drone_engine.arrays import Floats, Integers
 
 Pairs = tuple[Floats, Floats]
 

@@ -10,7 +10,7 @@ from live import Graph, Spawn
 from rclpy.serialization import deserialize_message
 from tf2_msgs.msg import TFMessage
 
-from drone_sim.cdr import SECOND, Transforms, read_transforms
+from drone_sim.wire.cdr import SECOND, Transforms, read_transforms
 
 CRATES = {f"crate_{i}" for i in range(1024)}
 SECONDS = 4.0  # of simulated time: they all have met something by then

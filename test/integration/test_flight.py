@@ -14,9 +14,9 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
-from drone_sim import scene as scenes
-from drone_sim.collision.detection import axes_of
-from drone_sim.mesh import bounds
+from drone_engine.collision.pipeline import axes_of
+from drone_engine.geometry.mesh import bounds
+from drone_engine.scene import schema as scenes
 
 DEEPEST = 0.005  # m that a drone may get into a wall
 MEADOW = Path(__file__).with_name("meadow.yaml")

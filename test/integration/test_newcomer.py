@@ -45,9 +45,9 @@ def test_plain_colcon_builds_every_package(tmp_path: Path) -> None:
         cwd=ROOT / "ros2_ws", env=environment, capture_output=True, text=True, check=False)
     assert build.returncode == 0, build.stdout + build.stderr
     packages = {path.name for path in (tmp_path / "install").iterdir() if path.is_dir()}
-    assert packages == {"drone_ai", "drone_assets", "drone_interfaces", "drone_render", "drone_sim", "drone_teleop"}
+    assert packages == {"drone_ai", "drone_engine", "drone_interfaces", "drone_render", "drone_sim", "drone_teleop"}
     assert (tmp_path / "install/drone_sim/lib/drone_sim/sim_node").is_file()
-    assert (tmp_path / "install/drone_assets/share/drone_assets/scenes/island.yaml").is_file()
+    assert (tmp_path / "install/drone_engine/lib/python3*/site-packages/drone_engine/data/scenes/island.yaml").is_file()
     shaders = list((tmp_path / "install/drone_render").rglob("*.frag"))
     assert {shader.name for shader in shaders} == {
         path.name for path in (ROOT / "ros2_ws/src/drone_render/drone_render/shaders").glob("*.frag")}

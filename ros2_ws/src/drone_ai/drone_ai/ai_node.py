@@ -15,8 +15,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
-from drone_sim.process import run
-from drone_sim.scene import Flight, Patrol, SceneError, load
+from drone_engine.scene.schema import Flight, Patrol, SceneError, load
+from drone_sim.node.process import run
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST = QoSProfile(depth=1)

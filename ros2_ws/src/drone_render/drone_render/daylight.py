@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from drone_engine.scene.picture import Render, Sky
 from drone_render.geometry import pixels
 from drone_render.view import Array
-from drone_sim.look import Render, Sky
 
 TIMES = (0.0, 0.25, 0.5, 1.0)
 SUN = ((0.10, 0.13, 0.20), (0.34, 0.20, 0.14), (0.95, 0.66, 0.42), (1.0, 1.0, 1.0))  # by night it is the moon

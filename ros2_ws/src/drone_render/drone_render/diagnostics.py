@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from drone_sim.cdr import SECOND
+from drone_sim.wire.cdr import SECOND
 
 
 def diagnostics(

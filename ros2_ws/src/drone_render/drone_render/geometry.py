@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from drone_engine.geometry.mesh import MeshError, Part
 from drone_render.view import Array
-from drone_sim.mesh import MeshError, Part
 
 STEEPEST = 4.0  # slope that a normal may have where two maps are packed into one
 LOSS = 1.5  # of 255; how far colours may be off, in the mean, where two maps are packed into one

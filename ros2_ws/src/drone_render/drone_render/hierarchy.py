@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from drone_engine.scene.schema import Scene
 from drone_render import daylight
 from drone_render.frame import Sun
 from drone_render.view import Array, camera_matrix, matrices, pose
-from drone_sim.scene import Scene
 
 LIGHTS = 4  # that a surface is lit by beside the parallel one, at most; a triangle hands on no more than six of them
 DARK = 1 / 128  # of a light's brightness; where less than that is left, it has ended

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 
 from drone_render.view import Array, interpolate
-from drone_sim.cdr import SECOND
+from drone_sim.wire.cdr import SECOND
 
 LEAP = 60 * SECOND  # ns; what is further apart is another run, not a state that got lost
 UNIT_WITHIN = 0.02  # that the square of a quaternion's norm is off 1, at most, as in tf2

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drone_engine.scene.picture import Camera
 from drone_render.view import Array, intrinsics
-from drone_sim import layouts
-from drone_sim.cdr import SECOND, Layout, Message
-from drone_sim.look import Camera
+from drone_sim.wire import layouts
+from drone_sim.wire.cdr import SECOND, Layout, Message
 
 STAMP = 4  # where the header's stamp starts, behind the name of the encoding
 

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from drone_render.view import Array, matrices
-from drone_sim.cdr import ENCODING
-from drone_sim.layouts import ADD, BALL, LINE_LIST, NO_MORE
+from drone_sim.wire.cdr import ENCODING
+from drone_sim.wire.layouts import ADD, BALL, LINE_LIST, NO_MORE
 
 WORLD = "world"
 METRE = 200  # pixels of a line's width: its metres are for viewers that scale it, here it is the same near and far

@@ -23,6 +23,8 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
+from drone_engine.geometry import mesh
+from drone_engine.scene import schema as scenes
 from drone_render import context
 from drone_render.debug_view import DebugView
 from drone_render.diagnostics import diagnostics
@@ -33,10 +35,8 @@ from drone_render.saving import Request, SaveImage
 from drone_render.schedule import Due, Schedule
 from drone_render.shutter import Shutter, rigid_transforms
 from drone_render.view import Array
-from drone_sim import mesh
-from drone_sim import scene as scenes
-from drone_sim.cdr import SECOND, Transforms, read_transforms
-from drone_sim.process import ENDS, PARAMETER_ERRORS, NodeLog
+from drone_sim.node.process import ENDS, PARAMETER_ERRORS, NodeLog
+from drone_sim.wire.cdr import SECOND, Transforms, read_transforms
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 EARLY = 10_000  # states kept for a film while its scene is being loaded

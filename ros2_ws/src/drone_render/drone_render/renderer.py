@@ -7,6 +7,8 @@ from typing import Self
 import moderngl
 import numpy as np
 
+from drone_engine.geometry import mesh
+from drone_engine.scene.schema import Scene
 from drone_render import daylight, view
 from drone_render.context import Device, packed, waiter
 from drone_render.edges import EdgePass
@@ -21,8 +23,6 @@ from drone_render.sky import SkyColours, SkyPass
 from drone_render.solid import TOLERANCE, SolidPass
 from drone_render.view import Array
 from drone_render.water import WaterPass
-from drone_sim import mesh
-from drone_sim.scene import Scene
 
 
 class Renderer:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from drone_render.history import History, Moment, Timetable
 from drone_render.view import Array
-from drone_sim.cdr import SECOND
+from drone_sim.wire.cdr import SECOND
 
 LATE = 5  # periods; what is older is not worth watching, but a short jam is caught up with
 PAUSE = 0.25  # s; a longer wait for a state is no pace but a pause

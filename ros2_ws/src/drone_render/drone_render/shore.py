@@ -7,10 +7,10 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from drone_engine.geometry.mesh import Model
 from drone_render.context import Device, write
 from drone_render.shaders import Variant
 from drone_render.view import Array
-from drone_sim.mesh import Model
 
 SIDE = 512  # pixels of the survey
 NO_LAND = -1000.0  # m

@@ -8,11 +8,11 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
 
+from drone_engine.scene.picture import Camera
 from drone_render import view
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import Array
-from drone_sim.look import Camera
-from drone_sim.process import NO_CALLBACKS
+from drone_sim.node.process import NO_CALLBACKS
 
 
 class Outlet:

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from drone_engine.scene.picture import Render, Sky
 from drone_render import daylight
 from drone_render.context import Device, samplers, write
 from drone_render.edges import SKY_MARK
 from drone_render.frame import Frame
 from drone_render.shaders import Variant
 from drone_render.view import Array
-from drone_sim.look import Render, Sky
 
 OUTWARDS = 0.8  # of the domes' radius: who is further out sees them from there
 

@@ -7,12 +7,12 @@ from pathlib import Path
 from PIL import Image
 from pydantic import ValidationError
 
+from drone_engine.scene import schema as scenes
+from drone_engine.scene.fields import first_error
+from drone_engine.scene.picture import Camera
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim import scene as scenes
-from drone_sim.look import Camera
-from drone_sim.strict import first_error
 
 
 def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:

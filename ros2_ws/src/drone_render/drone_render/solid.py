@@ -8,6 +8,8 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from drone_engine.geometry.mesh import Model
+from drone_engine.scene.picture import Render
 from drone_render import view
 from drone_render.context import Device, packed, setter, write
 from drone_render.edges import marks
@@ -18,8 +20,6 @@ from drone_render.ranges import RangePass
 from drone_render.shaders import Variant
 from drone_render.surface import Maps, Surface, Surfaces
 from drone_render.view import Array
-from drone_sim.look import Render
-from drone_sim.mesh import Model
 
 TOLERANCE = 1.4  # pixels that a level of detail may be off by
 

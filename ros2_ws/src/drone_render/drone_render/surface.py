@@ -9,6 +9,8 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from drone_engine.geometry.mesh import Material, Model, Part
+from drone_engine.scene.picture import Render
 from drone_render import detail
 from drone_render.context import Attribute, Device, packed, samplers, setter
 from drone_render.geometry import bounds, pack, tangents
@@ -16,8 +18,6 @@ from drone_render.hierarchy import Lighting
 from drone_render.instances import Instances
 from drone_render.shaders import Variant
 from drone_render.view import Array
-from drone_sim.look import Render
-from drone_sim.mesh import Material, Model, Part
 
 FAINT = 0.1  # a highlight that reflects less is not seen, so it is not computed
 WIDE = 10.0  # m; what reaches further may be near at one end and far away at the other, so it is cut into blocks

@@ -9,8 +9,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from drone_sim.look import Camera
-from drone_sim.strict import Pose
+from drone_engine.scene.fields import Pose
+from drone_engine.scene.picture import Camera
 
 Array = npt.NDArray[np.float64]
 

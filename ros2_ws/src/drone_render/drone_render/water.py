@@ -6,6 +6,8 @@ from collections.abc import Mapping
 import moderngl
 import numpy as np
 
+from drone_engine.geometry.mesh import Model
+from drone_engine.scene.picture import Render, Water
 from drone_render.context import Device, samplers, write
 from drone_render.edges import WATER_MARK
 from drone_render.frame import Frame
@@ -15,8 +17,6 @@ from drone_render.shaders import Variant
 from drone_render.shore import Shore
 from drone_render.sky import SkyColours
 from drone_render.view import Array
-from drone_sim.look import Render, Water
-from drone_sim.mesh import Model
 
 GRAVITY = 9.81  # m/s^2; how fast waves of a length run follows from it
 WAVE_LENGTHS = np.array([9.0, 5.3, 2.9, 1.7])  # m

@@ -9,8 +9,9 @@ import pytest
 import trimesh
 from PIL import Image
 
+from drone_engine import assets
+from drone_engine.scene import schema as scene
 from drone_render import context
-from drone_sim import assets, scene
 
 HEAD = "version: 1\n"
 
@@ -46,7 +47,7 @@ def make_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str
     bumps = np.dstack([grain[..., :2], np.full((16, 16), 220, np.uint8)])
     Image.fromarray(bumps).save(textures / "bumps.png")
     Image.fromarray(np.dstack([np.full_like(grain, 255), grain[..., 0]])).save(textures / "clouds.png")
-    monkeypatch.setattr(assets, "asset_root", lambda: tmp_path)
+    monkeypatch.setattr(assets, "ASSETS", tmp_path)
     return lambda text: scene.parse(HEAD + text, tmp_path / "test.yaml")
 
 

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
+from drone_engine.scene.schema import Scene
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim.scene import Scene
 
 Make = Callable[[str], Scene]
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from drone_engine.scene.schema import Scene
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.lines import Lines
 from drone_render.renderer import Renderer
-from drone_sim.scene import Scene
 
 from .drawing import Make, draw
 

@@ -4,10 +4,10 @@ import numpy as np
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
+from drone_engine.scene.picture import Camera
 from drone_render.image import Picture, camera_info, transforms
 from drone_render.view import OPTICAL, intrinsics
-from drone_sim.cdr import read_transforms
-from drone_sim.look import Camera
+from drone_sim.wire.cdr import read_transforms
 
 STAMP = 12_000_000_345  # ns
 

@@ -4,10 +4,10 @@ import moderngl
 import numpy as np
 import pytest
 
+from drone_engine.scene.schema import Scene
 from drone_render import view
 from drone_render.image import Picture
 from drone_render.renderer import Renderer
-from drone_sim.scene import Scene
 
 from .drawing import Make, draw
 

@@ -4,12 +4,12 @@ import moderngl
 import numpy as np
 import pytest
 
+from drone_engine.geometry import mesh
 from drone_render import view
 from drone_render.context import Device
 from drone_render.hierarchy import Hierarchy, Lighting
 from drone_render.renderer import Renderer
 from drone_render.shore import survey
-from drone_sim import mesh
 
 from .drawing import Make, draw
 

@@ -6,7 +6,7 @@ import pytest
 from drone_render.history import History, Timetable
 from drone_render.schedule import Due, Schedule
 from drone_render.view import ORIGIN
-from drone_sim.cdr import SECOND
+from drone_sim.wire.cdr import SECOND
 
 START = np.array([ORIGIN, ORIGIN])
 NAMES = ("drone", "tree")

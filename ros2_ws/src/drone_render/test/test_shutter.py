@@ -8,8 +8,8 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
+from drone_engine.scene.picture import Camera
 from drone_render.shutter import Shutter
-from drone_sim.look import Camera
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drone_engine.scene.fields import ORIGIN
+from drone_engine.scene.picture import Camera, Orbit
 from drone_render import view
-from drone_sim.look import Camera, Orbit
-from drone_sim.strict import ORIGIN
 
 ANGLE = st.floats(-3.0, 3.0)
 UNIT = np.eye(4)

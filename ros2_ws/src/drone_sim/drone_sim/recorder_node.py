@@ -17,8 +17,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from drone_sim.bag import BagError, BagWriter, Topic
-from drone_sim.message_types import UnknownTypeError, definition, message_class, type_hash
-from drone_sim.process import run
+from drone_sim.node.process import run
+from drone_sim.wire.message_types import UnknownTypeError, definition, message_class, type_hash
 
 T = TypeVar("T")
 

@@ -22,16 +22,16 @@ from simulation_interfaces.srv import GetSimulationState, LoadWorld, ResetSimula
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from drone_sim import kernel
-from drone_sim.audience import Audience
-from drone_sim.markers import DEEPEST, DEPTH, Markers
-from drone_sim.mesh import MeshError
-from drone_sim.messages import diagnostics, scene_message
-from drone_sim.pacing import Pacer, Share
-from drone_sim.process import NO_CALLBACKS, run
-from drone_sim.scene import SceneError, load
-from drone_sim.telemetry import Telemetry, Type
-from drone_sim.world import World
+from drone_engine import cache
+from drone_engine.geometry.mesh import MeshError
+from drone_engine.scene.schema import SceneError, load
+from drone_engine.world import World
+from drone_sim.node.pacing import Pacer, Share
+from drone_sim.node.process import NO_CALLBACKS, run
+from drone_sim.node.subscribers import Audience
+from drone_sim.wire.markers import DEEPEST, DEPTH, Markers
+from drone_sim.wire.messages import diagnostics, scene_message
+from drone_sim.wire.telemetry import Telemetry, Type
 
 CLASSES = {Type.CLOCK: ClockMessage, Type.POSE: PoseStamped, Type.ODOMETRY: Odometry, Type.TRANSFORMS: TFMessage,
            Type.JOINTS: JointState, Type.COLLISIONS: CollisionEvents}
@@ -94,7 +94,7 @@ class SimNode(Node):
     def _build(self, name: str) -> World:
         """A world that is ready to step. Raises SceneError or MeshError."""
         world = World(load(name), timed=True)
-        first_time = not kernel.compiled_before()
+        first_time = not cache.compiled_before()
 
         def report(done: int, total: int, stage: str) -> None:
             if first_time:

@@ -1,0 +1,1 @@
+"""Oracles, families of hard shapes and cases of motion that tests and benchmarks share."""

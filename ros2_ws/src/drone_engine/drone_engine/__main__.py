@@ -1,0 +1,20 @@
+"""`drone_engine explain SCENE`, or `python -m drone_engine explain SCENE`."""
+
+import argparse
+import sys
+
+from drone_engine.explain import __main__ as explain
+
+
+def main() -> int:
+    """Runs the command that is named first."""
+    commands = {"explain": explain.main}
+    parser = argparse.ArgumentParser(prog="drone_engine", description="Looks at scenes without running the nodes.")
+    parser.add_argument("command", choices=commands, help="explain: what a scene switches on, and what it costs")
+    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="drone_engine COMMAND --help tells")
+    options = parser.parse_args()
+    return commands[options.command](options.rest)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

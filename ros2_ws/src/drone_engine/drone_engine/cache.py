@@ -1,0 +1,110 @@
+"""Compiled kernels on disk, valid for as long as the text of every module that they depend on.
+
+Numba's own cache hashes the file of a kernel alone and does not notice an edit in a file that the kernel calls into or
+takes a constant from; a stale kernel would be a wrong simulation. Here the stamp of a kernel covers its module and all
+modules that this one imports at top level, directly or through others, within the same packages. An edit therefore
+recompiles what depends on it, and nothing else.
+"""
+
+import hashlib
+import re
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
+
+PACKAGE = Path(__file__).parent
+FALLBACK = Path.home() / ".cache" / "drone_engine"  # for an installation that may not be written to
+GENERATED = "generated_stages"  # folder of modules that the program writes, and the prefix of their names
+_IMPORT = re.compile(rb"^(?:from\s+([\w.]+)\s+import\s+\(?([\w,\s]*)|import\s+([\w.]+))", re.MULTILINE)
+
+
+def _file_of(module: str) -> Path | None:
+    """The source of an imported module; None for what is no file of Python."""
+    path = getattr(sys.modules.get(module), "__file__", None)
+    return Path(path) if path and path.endswith(".py") else None
+
+
+@cache
+def _imports(path: Path) -> tuple[bytes, tuple[str, ...]]:
+    """The text of a file, and the modules that it names in imports at top level."""
+    text = path.read_bytes()
+    names: list[str] = []
+    for package, members, plain in _IMPORT.findall(text):
+        module = (package or plain).decode()
+        names += [module, *(f"{module}.{name.split()[0]}" for name in members.decode().split(",") if name.strip())]
+    return text, tuple(names)
+
+
+def dependencies(path: Path) -> list[Path]:
+    """A file and all files that it imports, directly or not, of this package or of its own top-level package."""
+    found = [path]
+    roots = {PACKAGE, _root(path)}
+    for file in found:  # which grows meanwhile
+        for module in _imports(file)[1]:
+            other = _file_of(module)
+            if other and other not in found and any(root in other.parents for root in roots):
+                found.append(other)
+    return found
+
+
+def _root(path: Path) -> Path:
+    """The folder of the top-level package that a file belongs to; the file's own folder if it belongs to none."""
+    folder = path.parent
+    while (folder.parent / "__init__.py").exists():
+        folder = folder.parent
+    return folder
+
+
+@cache
+def stamp(path: Path) -> str:
+    """SHA-256 over the texts of a file and of its dependencies, hexadecimal."""
+    digest = hashlib.sha256()
+    for file in sorted(dependencies(path)):
+        digest.update(_imports(file)[0])
+    return digest.hexdigest()
+
+
+@cache
+def folder_of(path: Path) -> Path:
+    """Where the compiled kernels of a file are kept: beside Python's own bytecode, or in the home folder."""
+    beside = path.parent / "__pycache__"
+    try:
+        beside.mkdir(exist_ok=True)
+        probe = beside / ".writable"
+        probe.touch()
+        probe.unlink(missing_ok=True)
+    except OSError:
+        return FALLBACK / hashlib.sha256(str(path.parent).encode()).hexdigest()[:12]
+    return beside
+
+
+class _Locator(InTreeCacheLocator):
+    def __init__(self, function: Any, file: str) -> None:
+        super().__init__(function, file)
+        self._cache_path = str(folder_of(Path(file)))
+
+    def get_source_stamp(self) -> str:
+        return stamp(Path(self._py_file))
+
+
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = (_Locator,)
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of one function, with the stamp above."""
+
+    _impl_class = _Implementation
+
+
+def generated_folder() -> Path:
+    """Where modules that the program writes are kept."""
+    return folder_of(PACKAGE / "program" / "program.py") / GENERATED
+
+
+def compiled_before() -> bool:
+    """Whether there are compiled stages on disk, so that a start takes seconds rather than minutes."""
+    return any(generated_folder().rglob("*.nbc"))

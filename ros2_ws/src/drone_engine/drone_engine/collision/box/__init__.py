@@ -1,0 +1,1 @@
+"""Oriented boxes, spheres and planes."""

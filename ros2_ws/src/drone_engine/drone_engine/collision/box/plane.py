@@ -1,0 +1,38 @@
+"""A horizontal floor: the contact of a box with everything below a height."""
+
+from drone_engine.kernel import kernel
+
+
+@kernel
+def contact(position, axes, half, i, height, margin, point, separation, feature):
+    """The corners of box i at most `margin` m above the floor: writes them and returns how many, 0 to 8.
+
+    point: (8, 3) in the world, midway between corner and floor; separation: (8,) m, negative below the floor.
+    """
+    found = 0
+    for corner in range(8):
+        su = half[i, 0] if corner & 1 else -half[i, 0]
+        sv = half[i, 1] if corner & 2 else -half[i, 1]
+        sw = half[i, 2] if corner & 4 else -half[i, 2]
+        z = position[i, 2] + su * axes[i, 0, 2] + sv * axes[i, 1, 2] + sw * axes[i, 2, 2]
+        if z - height > margin:
+            continue
+        for k in range(2):
+            point[found, k] = position[i, k] + su * axes[i, 0, k] + sv * axes[i, 1, k] + sw * axes[i, 2, k]
+        point[found, 2] = 0.5 * (z + height)
+        separation[found] = z - height
+        feature[found] = corner
+        found += 1
+    return found
+
+
+@kernel
+def contact_sphere(position, half, i, height, margin, point, separation, feature):
+    """The lowest point of the bounding sphere of box i, if it is at most `margin` m above the floor: 0 or 1."""
+    radius = (half[i, 0] * half[i, 0] + half[i, 1] * half[i, 1] + half[i, 2] * half[i, 2]) ** 0.5
+    s = position[i, 2] - radius - height
+    if s > margin:
+        return 0
+    point[0, 0], point[0, 1], point[0, 2] = position[i, 0], position[i, 1], height + 0.5 * s
+    separation[0], feature[0] = s, 0
+    return 1

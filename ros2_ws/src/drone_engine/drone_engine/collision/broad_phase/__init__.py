@@ -1,0 +1,1 @@
+"""Candidate pairs: a uniform grid."""

@@ -1,0 +1,121 @@
+"""Two meshes and two poses in, contacts out: collision detection by itself, without a scene.
+
+    drone, ring = Shape.load("drone.obj"), Shape.load("ring.obj")
+    hits = intersects(drone, poses, ring, pose, OBB)            # of many poses at once
+    found = contacts(drone, poses[0], ring, pose)               # all there are, of triangles
+
+A pose is x y z and a unit quaternion x y z w, (7,) or (n, 7). Levels: SPHERE, OBB, OCTREE, TRIANGLE; each refines the
+one before, and a hit at one is a hit at all before it. `docs/collision.md` says what each answer is exact for.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drone_engine.arrays import Booleans, Floats, Integers
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import sphere
+from drone_engine.collision.box.contacts import Placed
+from drone_engine.collision.manifold import POINTS, Manifolds
+from drone_engine.collision.mesh import traversal
+from drone_engine.collision.mesh.narrow import Meshes
+from drone_engine.collision.mesh.shape import Shape, axes_at
+from drone_engine.collision_level import OBB, OCTREE, SPHERE, TESTED, TRIANGLE
+
+
+class Contacts(NamedTuple):
+    """k contacts of shapes a and b, in the frame of the world."""
+
+    point: Floats  # (k, 3) m
+    normal: Floats  # (k, 3) unit, from a to b
+    depth: Floats  # (k,) m, how far b has to move along the normal
+    parts: Integers  # (k, 2) which triangle of a and of b as given, or leaf; -1: the whole shape
+
+
+def intersects(a: Shape, poses_a: ArrayLike, b: Shape, poses_b: ArrayLike, level: int = TRIANGLE) -> Booleans:
+    """Whether a and b meet: (n,) for n poses each, or one pose for all; a single answer for a pose each.
+
+    Surfaces meet, not solids: what is wholly inside a hollow mesh does not touch it. Raises ValueError.
+    """
+    single = np.ndim(poses_a) == np.ndim(poses_b) == 1
+    first, second = _poses(poses_a, poses_b)
+    hits = _intersects(a, first, b, second, level)
+    return hits[0] if single else hits
+
+
+def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE) -> Contacts:
+    """All contacts of a and b, none if they do not meet: of their spheres, of their boxes up to eight, of each pair of
+    leaves' boxes up to eight, or of each pair of triangles one (triangle.contact). Raises ValueError."""
+    first, second = _poses(pose_a, pose_b)
+    if len(first) != 1:
+        raise ValueError(f"poses: expected one each, got {len(first)}")
+    if level == SPHERE:
+        hit, normal, point, separation = sphere.contacts(*a.balls(first), *b.balls(second))
+        return Contacts(point[hit], normal[hit], -separation[hit], np.full((hit.sum(), 2), -1))
+    if level == OBB:
+        return _of_boxes(np.full((1, 2), -1), *a.boxes(first), *b.boxes(second))
+    if level == OCTREE:
+        leaves = traversal.pairs(a.tree, first, b.tree, second, leaves=True)[1].astype(np.int64)
+        return _of_boxes(leaves, *a.leaves(first, leaves[:, 0]), *b.leaves(second, leaves[:, 1]))
+    if level == TRIANGLE:
+        _, pairs, point, normal, depth = traversal.contacts(a.tree, first, b.tree, second)
+        return Contacts(point, normal, depth, np.stack([a.tree.face[pairs[:, 0]], b.tree.face[pairs[:, 1]]], axis=1))
+    raise _no_level(level)
+
+
+def _of_boxes(parts: Integers, *boxes: Floats) -> Contacts:
+    """The contacts of k pairs of boxes, which are these parts (k, 2)."""
+    found = obb.contacts(*boxes)
+    points = np.diff(found.first)
+    return Contacts(found.point, np.repeat(found.normal, points, axis=0), -found.separation,
+                    np.repeat(parts[found.number], points, axis=0))
+
+
+def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE,
+              margin: float = 0.0) -> list[Contacts]:
+    """What a solver gets: contacts up to `margin` m apart (depths below 0), grouped by normals, at most six groups of
+    at most eight points. Levels OCTREE and TRIANGLE; the others have one group, `contacts`. Raises ValueError."""
+    if level in (SPHERE, OBB):
+        found = contacts(a, pose_a, b, pose_b, level)
+        return [found] if len(found.depth) else []
+    if level not in (OCTREE, TRIANGLE):
+        raise _no_level(level)
+    poses = np.concatenate(_poses(pose_a, pose_b))
+    bodies = Placed(np.arange(2), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses), np.zeros((2, 3)))
+    one = np.ones(1, np.int64)
+    m = Meshes([a, b], np.arange(2)).find(Manifolds(8), bodies, 0 * one, one, np.full(1, np.nan), level * one, one,
+                                          np.full(1, margin))
+    nowhere = np.full((POINTS, 2), -1)
+    return [Contacts(m.point_w[i, :k], np.tile(m.normal_w[i], (k, 1)), -m.separation[i, :k], nowhere[:k])
+            for i, k in enumerate(m.points[: m.count])]
+
+
+def _intersects(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> Booleans:
+    if level == SPHERE:
+        return sphere.intersects(*a.balls(poses_a), *b.balls(poses_b))
+    if level == OBB:
+        return obb.intersects(*a.boxes(poses_a), *b.boxes(poses_b))
+    if level in (OCTREE, TRIANGLE):
+        return traversal.intersects(a.tree, poses_a, b.tree, poses_b, boxes=level == OCTREE)
+    raise _no_level(level)
+
+
+def _no_level(level: int) -> ValueError:
+    return ValueError(f"level: expected {', '.join(f'{i} ({name})' for i, name in enumerate(TESTED))}, got {level}")
+
+
+def _poses(poses_a: ArrayLike, poses_b: ArrayLike) -> tuple[Floats, Floats]:
+    arrays = []
+    for name, poses in (("poses_a", poses_a), ("poses_b", poses_b)):
+        array = np.atleast_2d(np.asarray(poses, np.float64))
+        if array.ndim != 2 or array.shape[1] != 7:
+            raise ValueError(f"{name}: expected a pose (7,) or poses (n, 7), got shape {array.shape}")
+        traversal.check(name, array)
+        arrays.append(array)
+    n = max(len(array) for array in arrays)
+    for name, array in zip(("poses_a", "poses_b"), arrays, strict=True):
+        if len(array) not in (1, n):
+            raise ValueError(f"{name}: expected 1 or {n} poses, got {len(array)}")
+    first, second = (np.ascontiguousarray(np.broadcast_to(array, (n, 7))) for array in arrays)
+    return first, second

@@ -1,0 +1,114 @@
+"""The jets below rotors, which blow on whatever is under them.
+
+Momentum theory: a rotor with thrust T leaves a jet of twice its induced velocity v_i = sqrt(T / (2 rho pi R^2)), and a
+Gaussian profile 2 v_i exp(-(r / R)^2) carries just the momentum T. Further down it is a turbulent round jet:
+u(x, r) = 2 v_i (R / b) exp(-(r / b)^2), b = max(R, S x / sqrt(ln 2)), whose momentum stays, with the spreading rate
+S = 0.094 of Hussein, Capp, George 1994 (Pope 2000, Turbulent Flows, 5.1). Where jets meet their momenta add, so that
+four become one further down (Reichardt 1942); that the air below a quadrotor is such a jet was measured by Bauersfeld
+et al. 2024, Robotics Meets Fluid Dynamics. Wind does not bend the jets, and the ground does not stop them.
+
+This moves the air; `drag` or `linear_drag` make a force of it.
+"""
+
+import math
+
+import numpy as np
+from pydantic import Field
+
+from drone_engine.effects import Setting, Stages
+from drone_engine.effects.disks import disks
+from drone_engine.kernel import kernel
+from drone_engine.math.rotation import matrix
+from drone_engine.program.stage import Stage
+from drone_engine.scene.fields import Strict
+
+SLOPE = 1.0 / math.sqrt(math.log(2.0))  # of b over the half-width at half speed
+REACH = 3.0  # b, beyond which a jet is not felt: 1e-4 of its speed
+
+
+class Parameters(Strict):
+    density: float = Field(1.225, gt=0.0, le=2000.0)  # kg/m^3, of the air
+    spread: float = Field(0.094, ge=0.01, le=1.0)  # half-width at half speed, per distance
+    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; as their models have it
+
+
+@kernel
+def pressure(thrust, density, radius, spread, down, square):
+    """Square of a jet's speed, m^2/s^2, `down` m below its rotor at the root of `square` m from its axis."""
+    b = max(radius, spread * SLOPE * down)
+    if square > (REACH * b) ** 2:
+        return 0.0
+    return 2.0 * thrust / (density * math.pi * b * b) * math.exp(-2.0 * square / (b * b))
+
+
+@kernel
+def aim(body, place, axis, thrust, position, orientation, jet):
+    """Writes the jets of r rotors, (r, 7): where they begin, which way they blow, and whether they do."""
+    for r in range(body.shape[0]):
+        i = body[r]
+        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        for c in range(3):
+            jet[r, c] = position[i, c] + (m[3 * c] * place[r, 0] + m[3 * c + 1] * place[r, 1]
+                                          + m[3 * c + 2] * place[r, 2])
+            jet[r, 3 + c] = -(m[3 * c] * axis[r, 0] + m[3 * c + 1] * axis[r, 1] + m[3 * c + 2] * axis[r, 2])
+        jet[r, 6] = thrust[r] > 0.0
+
+
+@kernel
+def _passes_by(position, i, ball, jet, r, radius, spread):
+    """Whether a jet cannot reach a ball around the body."""
+    x, y, z = position[i, 0] - jet[r, 0], position[i, 1] - jet[r, 1], position[i, 2] - jet[r, 2]
+    down = x * jet[r, 3] + y * jet[r, 4] + z * jet[r, 5]
+    if down <= -ball:
+        return True
+    reach = REACH * max(radius, spread * SLOPE * (down + ball)) + ball
+    return x * x + y * y + z * z - down * down > reach * reach
+
+
+@kernel
+def wash(awake, position, orientation, half, body, radius, thrust, jet, density, spread, air):
+    """Adds the jets of r rotors to the air's velocity (n, 3) around all bodies but their own.
+
+    Their pressure is the mean over the four points of Gauss in the middle of the body's box.
+    """
+    point = 1.0 / math.sqrt(3.0)
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        ball = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
+        sx = sy = sz = 0.0
+        for r in range(body.shape[0]):
+            if body[r] == i or jet[r, 6] == 0.0 or _passes_by(position, i, ball, jet, r, radius[r], spread):
+                continue
+            for corner in range(4):
+                u = point * half[i, 0] * (1.0 - 2.0 * (corner % 2))
+                v = point * half[i, 1] * (1.0 - 2.0 * (corner // 2))
+                x = position[i, 0] + m[0] * u + m[1] * v - jet[r, 0]
+                y = position[i, 1] + m[3] * u + m[4] * v - jet[r, 1]
+                z = position[i, 2] + m[6] * u + m[7] * v - jet[r, 2]
+                down = x * jet[r, 3] + y * jet[r, 4] + z * jet[r, 5]
+                if down <= 0.0:
+                    continue
+                square = max(x * x + y * y + z * z - down * down, 0.0)
+                p = 0.25 * pressure(thrust[r], density, radius[r], spread, down, square)
+                sx, sy, sz = sx + p * jet[r, 3], sy + p * jet[r, 4], sz + p * jet[r, 5]
+        total = math.sqrt(sx * sx + sy * sy + sz * sz)
+        if total > 0.0:
+            speed = 1.0 / math.sqrt(total)
+            air[i, 0] += sx * speed
+            air[i, 1] += sy * speed
+            air[i, 2] += sz * speed
+
+
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    p, model, s, forces = parameters, setting.model, setting.state, setting.forces
+    if not model.rotors.names:
+        return Stages(idle="no drone in the scene has rotors")
+    if model.bodies.movable.sum() < 2:
+        return Stages(idle="nothing but the drone moves")
+    d = disks(model, p.radius)
+    jet = np.zeros((len(d.body), 7))
+    return Stages(force=(
+        Stage("downwash", aim, (d.body, d.place_b, d.axis_b, forces.thrust, s.position_w, s.orientation_w, jet)),
+        Stage("downwash", wash, (s.awake, s.position_w, s.orientation_w, model.bodies.half, d.body, d.radius,
+                                 forces.thrust, jet, p.density, p.spread, forces.air_w))))

@@ -1,0 +1,49 @@
+"""Quadratic air drag on the box of each body: F = -1/2 rho C A |v| v (Anderson, Fundamentals of Aerodynamics, 1.5)."""
+
+from pydantic import Field
+
+from drone_engine.effects import STABLE, Setting, Stages
+from drone_engine.kernel import inlined, kernel
+from drone_engine.math.rotation import matrix
+from drone_engine.program.stage import Stage
+from drone_engine.scene.fields import Strict
+
+
+class Parameters(Strict):
+    density: float = Field(1.225, ge=0.0, le=2000.0)  # kg/m^3; sea level, 15 degrees Celsius (ISO 2533)
+    coefficient: float = Field(1.0, ge=0.0, le=10.0)  # about 1.05 for a cube, 0.5 to 1.2 for bluff bodies
+
+
+@kernel
+def drag(awake, orientation, velocity, air, half, mass, factor, h, force):
+    """Adds the drag of boxes, `factor` = rho C / 2, to force (n, 3). A is the box's shadow along its way through the
+    air, which moves at air (n, 3), or is still: (0, 3)."""
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        if air.shape[0]:
+            vx, vy, vz = vx - air[i, 0], vy - air[i, 1], vz - air[i, 2]
+        x, y, z = resistance(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], vx, vy, vz,
+                             half[i, 0], half[i, 1], half[i, 2], mass[i], factor, h)
+        force[i, 0] -= x
+        force[i, 1] -= y
+        force[i, 2] -= z
+
+
+@inlined
+def resistance(qx, qy, qz, qw, vx, vy, vz, hx, hy, hz, mass, factor, h):
+    """What a box with these half extents loses by moving through the air at v; N, world."""
+    m = matrix(qx, qy, qz, qw)
+    shadow_speed = (4.0 * hy * hz * abs(m[0] * vx + m[3] * vy + m[6] * vz)
+                    + 4.0 * hz * hx * abs(m[1] * vx + m[4] * vy + m[7] * vz)
+                    + 4.0 * hx * hy * abs(m[2] * vx + m[5] * vy + m[8] * vz))
+    # Less than stops the body within a sub-step of h s: a long one must not turn drag into thrust.
+    rate = min(factor * shadow_speed, STABLE * mass / h)
+    return rate * vx, rate * vy, rate * vz
+
+
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    bodies, state, forces = setting.model.bodies, setting.state, setting.forces
+    factor = 0.5 * parameters.density * parameters.coefficient
+    return Stages(force=(Stage("drag", drag, (state.awake, state.orientation_w, state.velocity_w, forces.air_w,
+                                              bodies.half, bodies.mass, factor, setting.h, forces.force_w)),))

@@ -1,0 +1,95 @@
+"""Rotors close to a floor push harder: T / T_inf = 1 / (1 - (R / 4 z)^2 / (1 + (V / v_i)^2)).
+
+Cheeseman, Bennett 1955, The Effect of the Ground on a Helicopter Rotor in Forward Flight (ARC R&M 3021), with z the
+rotor's height, V its speed along the ground, and v_i = sqrt(T / (2 rho pi R^2)) from momentum theory. Each rotor for
+itself, over the scene's floors and ground; other things below it do not count. Measurements begin at z = R / 2, where
+the gain is a third; closer, it is taken as there.
+"""
+
+import math
+
+import numpy as np
+from pydantic import Field
+
+from drone_engine.collision.terrain import height_field as terrain
+from drone_engine.collision.terrain.height_field import below
+from drone_engine.effects import Setting, Stages
+from drone_engine.effects.disks import disks
+from drone_engine.kernel import kernel
+from drone_engine.math.rotation import matrix
+from drone_engine.program.stage import Stage
+from drone_engine.scene.fields import Strict
+
+CLOSEST = 0.5  # R
+
+
+class Parameters(Strict):
+    density: float = Field(1.225, gt=0.0, le=2000.0)  # kg/m^3, of the air
+    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; as their models have it
+
+
+@kernel
+def gain(radius, height, speed, induced):
+    """What a rotor's thrust grows by, in units of its thrust far from the ground. m, m, m/s, m/s."""
+    x = radius / (4.0 * max(height, CLOSEST * radius))
+    ratio = speed / induced
+    lost = x * x / (1.0 + ratio * ratio)
+    return lost / (1.0 - lost)
+
+
+@kernel
+def lift(floors, frame, start, entry, face, body, place, axis, radius, thrust, position, orientation, velocity, air,
+         density, force, torque):
+    """Adds what r rotors gain to force and torque (n, 3). floors: (f,) heights in m; frame to face: as Terrain has
+    them, or empty; air: (n, 3) m/s, or (0, 3)."""
+    for r in range(body.shape[0]):
+        if thrust[r] <= 0.0:
+            continue
+        i = body[r]
+        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        az = m[6] * axis[r, 0] + m[7] * axis[r, 1] + m[8] * axis[r, 2]
+        if az <= 0.0:  # upside down, it blows upwards
+            continue
+        ax = m[0] * axis[r, 0] + m[1] * axis[r, 1] + m[2] * axis[r, 2]
+        ay = m[3] * axis[r, 0] + m[4] * axis[r, 1] + m[5] * axis[r, 2]
+        px = m[0] * place[r, 0] + m[1] * place[r, 1] + m[2] * place[r, 2]
+        py = m[3] * place[r, 0] + m[4] * place[r, 1] + m[5] * place[r, 2]
+        pz = m[6] * place[r, 0] + m[7] * place[r, 1] + m[8] * place[r, 2]
+        height = math.inf
+        for f in range(floors.shape[0]):
+            above = position[i, 2] + pz - floors[f]
+            if 0.0 <= above < height:
+                height = above
+        if frame.shape[0]:
+            _, ground = below(frame, start, entry, face, position[i, 0] + px, position[i, 1] + py)
+            above = position[i, 2] + pz - ground
+            if 0.0 <= above < height:
+                height = above
+        if height == math.inf:
+            continue
+        vx, vy = velocity[i, 0], velocity[i, 1]
+        if air.shape[0]:
+            vx, vy = vx - air[i, 0], vy - air[i, 1]
+        induced = math.sqrt(thrust[r] / (2.0 * density * math.pi * radius[r] * radius[r]))
+        more = thrust[r] * gain(radius[r], height, math.sqrt(vx * vx + vy * vy), induced)
+        fx, fy, fz = more * ax, more * ay, more * az
+        force[i, 0] += fx
+        force[i, 1] += fy
+        force[i, 2] += fz
+        torque[i, 0] += py * fz - pz * fy
+        torque[i, 1] += pz * fx - px * fz
+        torque[i, 2] += px * fy - py * fx
+
+
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    model, s, forces = setting.model, setting.state, setting.forces
+    if not model.rotors.names:
+        return Stages(idle="no drone in the scene has rotors")
+    if not model.floors:
+        return Stages(idle="no floor or ground in the scene")
+    floors = np.array([floor.height for floor in model.floors if math.isfinite(floor.height)], np.float64)
+    land = terrain.of(model)
+    tables = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
+    return Stages(force=(Stage("ground_effect", lift, (
+        floors, *tables, *disks(model, parameters.radius), forces.thrust, s.position_w, s.orientation_w, s.velocity_w,
+        forces.air_w, parameters.density, forces.force_w, forces.torque_w)),))

@@ -1,0 +1,93 @@
+"""Water that boxes float in: buoyancy and drag of the part below the surface, which is the plane z = `level`.
+
+Buoyancy is the weight of the water displaced (Archimedes), exact for a box in any pose, at the centroid of the part
+that is under. Drag there is linear and quadratic (Fossen 2011, Handbook of Marine Craft Hydrodynamics, 6.4):
+F = -(k rho V + 1/2 rho C A |v|) v, with V the volume under water and A the box's shadow along its way, as much of it as
+of the volume is under; k damps rotation likewise. The mass c rho V of water moves along (DNV-RP-C205, table D-2; 0.68
+for a cube), whatever pushes the body, and resists turning in the same proportion. There are no waves. The gravity is
+the scene's: without it nothing floats.
+"""
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from drone_engine.effects import STABLE, Setting, Stages, weight
+from drone_engine.effects.submerged import ROWS, submerged
+from drone_engine.kernel import kernel
+from drone_engine.math.rotation import matrix
+from drone_engine.program.stage import Stage
+from drone_engine.scene.fields import Place, Strict
+
+Speed = Annotated[float, Field(ge=-100.0, le=100.0)]
+
+
+class Parameters(Strict):
+    level: Place = 0.0  # m, of the surface
+    density: float = Field(1025.0, gt=0.0, le=20000.0)  # kg/m^3; sea water, 998 for fresh water
+    coefficient: float = Field(1.0, ge=0.0, le=10.0)  # of quadratic drag; about 1.05 for a cube
+    damping: float = Field(0.5, ge=0.0, le=100.0)  # 1/s, of the displaced water's momentum
+    added_mass: float = Field(0.68, ge=0.1, le=10.0)  # of the displaced water's; a cube's
+    current: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)  # m/s
+
+
+@kernel
+def float_up(awake, position, orientation, velocity, angular, half, mass, inertia, level, density, gravity, drag,
+             damping, added, cx, cy, cz, h, scratch, force, torque, inverse_mass, whole_inertia):
+    """Adds buoyancy and drag to force and torque (n, 3), and the water that moves along to inverse_mass (n,) and
+    whole_inertia (n, 3). gravity: m/s^2; drag: C / 2; added: c; h: s of a sub-step."""
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        inverse_mass[i] = 1.0 / mass[i]
+        for c in range(3):
+            whole_inertia[i, c] = inertia[i, c]
+        ball = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
+        if position[i, 2] - ball >= level:
+            continue
+        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        volume, px, py, pz = submerged(m, half[i], level - position[i, 2], scratch)
+        if volume == 0.0:
+            continue
+        whole = 8.0 * half[i, 0] * half[i, 1] * half[i, 2]
+        under, water = volume / whole, density * volume
+        more = 1.0 + added * water / mass[i]  # as much as the body alone
+        inverse_mass[i] /= more
+        for c in range(3):
+            whole_inertia[i, c] *= more
+
+        wx, wy, wz = angular[i, 0], angular[i, 1], angular[i, 2]
+        vx = velocity[i, 0] + wy * pz - wz * py - cx
+        vy = velocity[i, 1] + wz * px - wx * pz - cy
+        vz = velocity[i, 2] + wx * py - wy * px - cz
+        area_speed = 0.0
+        for c in range(3):
+            face = 4.0 * half[i, (c + 1) % 3] * half[i, (c + 2) % 3]
+            area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
+        least = min(inertia[i, 0], min(inertia[i, 1], inertia[i, 2]))
+        felt = more / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # the mass at that point
+        # Less than stops that point within this sub-step.
+        rate = min(damping * water + drag * density * under * area_speed, STABLE * felt / h)
+        fx, fy, fz = -rate * vx, -rate * vy, water * gravity - rate * vz
+        force[i, 0] += fx
+        force[i, 1] += fy
+        force[i, 2] += fz
+
+        spin = min(damping * water / mass[i], STABLE * more / h)
+        bx = spin * inertia[i, 0] * (m[0] * wx + m[3] * wy + m[6] * wz)
+        by = spin * inertia[i, 1] * (m[1] * wx + m[4] * wy + m[7] * wz)
+        bz = spin * inertia[i, 2] * (m[2] * wx + m[5] * wy + m[8] * wz)
+        torque[i, 0] += py * fz - pz * fy - (m[0] * bx + m[1] * by + m[2] * bz)
+        torque[i, 1] += pz * fx - px * fz - (m[3] * bx + m[4] * by + m[5] * bz)
+        torque[i, 2] += px * fy - py * fx - (m[6] * bx + m[7] * by + m[8] * bz)
+
+
+def build(parameters: Parameters, setting: Setting) -> Stages:
+    p, b, s, forces = parameters, setting.model.bodies, setting.state, setting.forces
+    if not b.movable.any():
+        return Stages(idle="nothing in the scene moves")
+    return Stages(force=(Stage("water", float_up, (
+        s.awake, s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, b.half, b.mass, b.inertia_b,
+        p.level, p.density, weight(setting.active), 0.5 * p.coefficient, p.damping, p.added_mass, *p.current, setting.h,
+        np.empty((ROWS, 3)), forces.force_w, forces.torque_w, forces.inverse_mass, forces.inertia_b)),))

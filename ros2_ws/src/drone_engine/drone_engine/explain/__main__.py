@@ -1,0 +1,98 @@
+"""`drone_engine explain assets/scenes/island.yaml`: what is on, what is off and why, and what a step costs."""
+
+import argparse
+import json
+import sys
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from drone_engine.explain.costs import Costs, measure
+from drone_engine.explain.features import Feature, features, few
+from drone_engine.geometry.mesh import MeshError
+from drone_engine.scene.schema import Scene, SceneError, load
+from drone_engine.world import World
+
+BAR = 15  # characters of a whole step
+
+
+def as_json(scene: Scene, found: list[Feature], costs: Costs) -> str:
+    """Everything, for programs."""
+    return json.dumps({
+        "scene": scene.name, "path": str(scene.path), "hash": scene.hash,
+        "features": [feature._asdict() for feature in found],
+        "stages": [cost._asdict() for cost in costs.stages],
+        "step_us": costs.step_us, "real_time_factor": costs.real_time_factor, "kernels": costs.kernels}, indent=1)
+
+
+def feature_table(found: list[Feature]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, title="What the scene calls for", title_justify="left", title_style="bold")
+    for heading in ("", "", "", "why"):
+        table.add_column(heading)
+    last = ""
+    for group, name, on, why in found:
+        if group != last and last:
+            table.add_section()
+        style = "" if on else "dim"
+        table.add_row("" if group == last else f"[bold]{group}[/]", f"[{style or 'default'}]{name}[/]",
+                      "[green]on[/]" if on else "[dim]off[/]", f"[{style or 'default'}]{why}[/]")
+        last = group
+    return table
+
+
+def stage_table(costs: Costs) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, title="A step, in order", title_justify="left", title_style="bold")
+    for heading, where in (("stage", "left"), ("kernel", "left"), ("µs", "right"), ("share", "right"), ("", "left")):
+        table.add_column(heading, justify=where, no_wrap=True)  # type: ignore[arg-type]
+    total = sum(cost.us for cost in costs.stages) or 1.0
+    for stage, kernel, us in costs.stages:
+        name = "  " + stage.removeprefix("motion: ") if stage.startswith("motion: ") else stage
+        table.add_row(name, kernel or "[yellow]in Python[/]", f"{us:.2f}", f"{100 * us / total:.0f} %",
+                      f"[blue]{'█' * round(BAR * us / total)}[/]")
+    table.add_section()
+    table.add_row("[bold]step[/]", "", f"[bold]{costs.step_us:.2f}[/]", "", "")
+    return table
+
+
+def explain(scene: Scene, console: Console) -> None:
+    """Prints all of it."""
+    world = World(scene)
+    bodies = world.model.bodies
+    moving = [name for name, moves in zip(bodies.names, bodies.movable, strict=True) if moves]
+    console.print(f"[bold]{scene.name}[/]  {scene.description}\n{bodies.count} bodies, of which {len(moving)} move"
+                  f"{': ' if moving else ''}{few(moving)}\n", highlight=False)
+    console.print(feature_table(features(world)))
+    with console.status("measuring; the first time, kernels compile"):
+        costs = measure(scene)
+    console.print(stage_table(costs))
+    console.print(f"{costs.real_time_factor:,.0f} times real time at {scene.rates.physics:g} steps per s, on one "
+                  "thread, without commands. Indented: run by motion, in its sub-steps.\n",
+                  highlight=False)
+    count = sum(map(len, costs.kernels.values()))
+    console.print(f"[bold]{count} kernels compiled[/] for this scene", highlight=False)
+    for module, names in costs.kernels.items():
+        console.print(f"  {module}: [dim]{', '.join(names)}[/]", highlight=False)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Exit status 1 and one line for a scene that cannot be."""
+    parser = argparse.ArgumentParser(
+        prog="drone_engine explain", description="What a scene switches on, and what it costs.")
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a scene among the assets")
+    parser.add_argument("--json", action="store_true", help="for programs")
+    options = parser.parse_args(args)
+    try:
+        scene = load(options.scene)
+        if options.json:
+            print(as_json(scene, features(World(scene)), measure(scene)))
+        else:
+            explain(scene, Console())
+    except (SceneError, MeshError) as error:
+        print(f"drone_sim: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

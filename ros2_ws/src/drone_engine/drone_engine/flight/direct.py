@@ -1,0 +1,96 @@
+"""The flight model 'direct': a force towards the wanted velocity, and a torque that leans into it.
+
+Cheap and forgiving, like a game's. It carries the drone's weight, limits acceleration to what the scene allows,
+and is a force like any other: what stands in the way wins.
+"""
+
+import math
+
+import numpy as np
+
+from drone_engine.arrays import Floats, Integers
+from drone_engine.effects import THRUST, Setting, Stages
+from drone_engine.flight.pilot import limited
+from drone_engine.kernel import kernel
+from drone_engine.math.rotation import matrix, rotate
+from drone_engine.program.stage import Stage
+
+RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
+LEAN = 0.5  # of the tilt that a quadrotor would need for the same acceleration
+ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
+
+
+@kernel
+def steer(drone, orientation, velocity, angular, body, mass, inertia, max_acceleration, wanted, landed, weight, dt,
+          push):
+    """Writes the force (N) and torque (N m) of k drones, (k, 2, 3) in the world, for the coming step. `weight` is the
+    gravity to carry, m/s^2."""
+    for k in range(drone.shape[0]):
+        d = drone[k]
+        i = body[d]
+        push[k] = 0.0
+        if landed[d]:
+            continue
+        response = max(RESPONSE, dt)
+        ax, ay, az = limited((wanted[d, 0] - velocity[i, 0]) / response, (wanted[d, 1] - velocity[i, 1]) / response,
+                             (wanted[d, 2] - velocity[i, 2]) / response, max_acceleration[d])
+        push[k, 0, 0] = mass[i] * ax
+        push[k, 0, 1] = mass[i] * ay
+        push[k, 0, 2] = mass[i] * (az + weight)
+
+        # Attitude: body z towards the lean, damped; the gains are what the step length can follow.
+        frequency = min(ATTITUDE_FREQUENCY, 0.3 / dt)
+        ux, uy, uz = LEAN * ax, LEAN * ay, 9.81
+        scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz)
+        q = orientation[i]
+        m = matrix(q[0], q[1], q[2], q[3])
+        ex = (m[5] * uz - m[8] * uy) * scale
+        ey = (m[8] * ux - m[2] * uz) * scale
+        # body rates, and the error of the z axis (a cross product) in the body frame
+        bx = m[0] * angular[i, 0] + m[3] * angular[i, 1] + m[6] * angular[i, 2]
+        by = m[1] * angular[i, 0] + m[4] * angular[i, 1] + m[7] * angular[i, 2]
+        bz = m[2] * angular[i, 0] + m[5] * angular[i, 1] + m[8] * angular[i, 2]
+        ez = (m[2] * uy - m[5] * ux) * scale
+        px, py = m[0] * ex + m[3] * ey + m[6] * ez, m[1] * ex + m[4] * ey + m[7] * ez
+        tx = inertia[i, 0] * (frequency * frequency * px - 2.0 * frequency * bx)
+        ty = inertia[i, 1] * (frequency * frequency * py - 2.0 * frequency * by)
+        tz = inertia[i, 2] * frequency * (wanted[d, 3] - bz)
+        t = rotate(q[0], q[1], q[2], q[3], tx, ty, tz)
+        for c in range(3):
+            push[k, 1, c] = t[c]
+
+
+@kernel
+def add(drone, body, push, force, torque):
+    """Adds what `steer` wrote to the forces on the bodies."""
+    for k in range(drone.shape[0]):
+        for c in range(3):
+            force[body[drone[k]], c] += push[k, 0, c]
+            torque[body[drone[k]], c] += push[k, 1, c]
+
+
+@kernel
+def share(drone, place, push, rotor_drone, thrust):
+    """Writes to thrust (r,) the lift of each drone over its rotors; place: (d,) where a drone is among those here."""
+    for r in range(rotor_drone.shape[0]):
+        k = place[rotor_drone[r]]
+        if k >= 0:
+            rotors = 0
+            for other in rotor_drone:
+                rotors += other == rotor_drone[r]
+            thrust[r] = max(push[k, 0, 2], 0.0) / rotors
+
+
+def build(setting: Setting, drone: Integers, wanted: Floats, weight: float) -> Stages:
+    """drone: (k,) those of this model; wanted: (d, 4) velocity in the world, yaw rate; weight: m/s^2 to carry."""
+    b, drones, s, forces = setting.model.bodies, setting.model.drones, setting.state, setting.forces
+    push = np.zeros((len(drone), 2, 3))
+    step = [Stage("direct", steer, (
+        drone, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
+        drones.max_acceleration, wanted, s.landed, weight, setting.dt, push))]
+    if any(name in setting.active for name in THRUST):
+        place = np.full(len(drones.body), -1, np.int64)
+        place[drone] = np.arange(len(drone))
+        step.append(Stage("thrust", share, (drone, place, push, setting.model.rotors.drone, forces.thrust)))
+    return Stages(step=tuple(step),
+                  force=(Stage("flight", add, (drone, drones.body, push, forces.force_w, forces.torque_w)),))

@@ -1,0 +1,1 @@
+"""Models as arrays: meshes, materials, mass properties."""

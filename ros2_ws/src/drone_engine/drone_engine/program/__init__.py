@@ -1,0 +1,1 @@
+"""A step as one compiled loop of stages."""

@@ -1,0 +1,287 @@
+"""A scene that runs: arrays, and a step that is a tuple of named stages. No ROS here.
+
+    world = World(load("island"))
+    for _ in range(300):
+        world.step({"user_drone": (1.0, 0.0, 0.0, 0.0)})
+    print(world.pose("user_drone"))
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from itertools import count
+from typing import Any
+
+import numpy as np
+
+from drone_engine import effects, flight, model
+from drone_engine.arrays import Floats
+from drone_engine.collision.events import (
+    Contacts,
+    Event,
+    Events,
+    Meetings,
+    Touching,
+    all_touches,
+    as_events,
+    contacts,
+    joined,
+)
+from drone_engine.collision.pipeline import Detection
+from drone_engine.collision_level import LEVELS, TESTED
+from drone_engine.dynamics.motion import Motion
+from drone_engine.dynamics.sleep import Sleep
+from drone_engine.flight import pilot, rotors
+from drone_engine.geometry import mesh
+from drone_engine.kernel import kernel
+from drone_engine.program.profile import Laps, times
+from drone_engine.program.program import Program
+from drone_engine.program.stage import Stage
+from drone_engine.scene.schema import Scene
+from drone_engine.state import State
+
+
+@kernel
+def rest(awake, force, torque, air):
+    """Nothing acts on the bodies that are awake."""
+    for k in range(1, 1 + awake[0]):
+        for c in range(3):
+            force[awake[k], c] = torque[awake[k], c] = 0.0
+    air[:] = 0.0
+
+
+@kernel
+def age(silence):
+    """Commands become a step older."""
+    for d in range(silence.shape[0]):
+        silence[d] += 1
+
+
+@kernel
+def tick(step):
+    """Counts the steps."""
+    step[0] += 1
+
+
+NOTHING = Touching(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
+Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
+
+
+class World:
+    """One scene with its state. Two worlds of one scene that get the same commands stay equal bit for bit."""
+
+    def __init__(self, scene: Scene, timed: bool = False) -> None:
+        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read.
+
+        timed: reads a clock between any two stages, for stage_times; the motion is the same.
+        """
+        self.scene = scene
+        self._timed = timed
+        self._laps: dict[str, Laps] = {}
+        self.dt = 1.0 / scene.rates.physics
+        self.model = model.build(scene)
+        self.state = State.of(self.model)
+        s, names = self.state, self.model.bodies.names
+        self._inputs: dict[str, tuple[int, Any, Any]] = {  # by drone; a number is written fastest through memoryviews
+            names[i]: (i, s.command_b[d].data, s.silence[d : d + 1].data) for d, i in enumerate(self.model.drones.body)}
+        self._build()
+        self._start = self.state.copy()
+
+    def _build(self) -> None:
+        """What this scene calls for, and nothing else, in the order in which it happens."""
+        m, s = self.model, self.state
+        active = effects.parameters(self.scene)
+        stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
+        force, torque = np.zeros((2, m.bodies.count, 3))
+        forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
+                                              np.zeros(1), m.bodies.inverse_mass.copy(), m.bodies.inertia_b.copy())
+        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
+        flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
+        self.detection = Detection(m, s, self.dt)
+        self._events = Events(lambda: self.detection.manifolds,
+                              lambda: self.sleep.touching if self.sleep else NOTHING)
+
+        self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
+        built = list(self.effects.items())
+        if flying:
+            air = sum(name in effects.AIR for name in active)
+            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
+        self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
+                                                    *(stage for _, stages in built for stage in stages.force)])
+        self.steering = self._put_together("sub-steps", [stage for _, stages in built for stage in stages.substep])
+        self._before = [Stage("commands", age, (s.silence,))] if flying else []
+        self._before += [stage for _, stages in built for stage in stages.step]
+        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
+                             lambda: self.detection.manifolds, self.scene.dynamics.passes)
+        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
+        calm = not self._alone and not any(name in effects.UNSTEADY for name in active)
+        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and calm else None
+        self._after = [self.sleep.falling_asleep] if self.sleep else []
+        if flying and not self._alone:
+            self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
+        if spinning:
+            self._after += rotors.build(setting)
+        self._after += [Stage("clock", tick, (s.step,))]
+        self._assemble()
+
+    def _assemble(self) -> None:
+        """Puts the stages together."""
+        before, after = ((), ()) if self._alone else (self.detection.stages, (self.detection.catching,))
+        waking = [self.sleep.waking] if self.sleep else []
+        self.program = self._put_together("step", [*self._before, *before, *waking, self.motion.stage, *after,
+                                                   *self._after])
+        self.detection.belong_to(self.program)
+        self.motion.belong_to(self.program)
+        self._ready = False
+
+    def _put_together(self, name: str, stages: list[Stage]) -> Program:
+        if self._timed:
+            self._laps[name] = Laps(stages)
+            stages = self._laps[name].stages
+        return Program(stages)
+
+    def step(self, commands: Mapping[str, Command] = {}) -> None:
+        """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
+        for name, command in commands.items():
+            self.command(name, command)
+        self.run(1)
+
+    def run(self, steps: int) -> None:
+        """Many steps with the commands given last, without returning to Python where the scene allows it."""
+        if not self._ready:
+            self.compile()
+        self.program.run(steps)
+
+    def detect(self) -> None:
+        """Finds the contacts of the state as it is, as a step does before it moves anything."""
+        if not self._ready:
+            self.compile()
+        if self._alone:
+            return
+        names = [stage.name for stage in self.program.stages]
+        self.program.run(1, names.index("keep"), names.index("warm start") + 1)
+
+    def command(self, drone: str, command: Command) -> None:
+        """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
+        x, y, z, turn = command
+        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= turn <= LIMIT):
+            if not all(map(math.isfinite, command)):
+                raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
+            x, y, z, turn = (min(max(part, -LIMIT), LIMIT) for part in command)
+        inputs = self._inputs.get(drone)
+        if inputs is None:
+            raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
+        body, told, silence = inputs
+        told[0], told[1], told[2], told[3] = x, y, z, turn
+        silence[0] = -1  # which the next step makes 0
+        if self.sleep and any(command) and self.detection.sleeping[body]:
+            self.sleep.wake(np.array([body]))
+
+    def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
+        """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
+
+        level: sphere, obb, octree or triangle. Holds until the scene is reset. Raises ValueError, and mesh.MeshError.
+        """
+        if level not in TESTED:
+            raise ValueError(f"level: expected one of {', '.join(TESTED)}, got '{level}'")
+        if b and not a:
+            raise ValueError("a: expected an object where b names one")
+        names = self.model.bodies.names
+        for which, name in (("a", a), ("b", b)):
+            if name and name not in names:
+                raise ValueError(f"{which}: no body is called '{name}'; there are {', '.join(names)}")
+        if a == b != "":
+            raise ValueError(f"b: expected another object than '{a}'")
+        before, self.detection.levels = self.detection.levels, deepcopy(self.detection.levels)
+        self.detection.levels.set(LEVELS[level], *(names.index(name) for name in (a, b) if name))
+        try:
+            self.detection.prepare()
+        except mesh.MeshError:
+            self.detection.levels = before
+            raise
+        if self.sleep:
+            self.sleep.wake(np.flatnonzero(self.model.bodies.movable))
+        self._assemble()
+        self.compile()
+
+    def reset(self) -> None:
+        """Back to the start, as if just loaded."""
+        self.state.assign(self._start)
+        bodies = self.model.bodies
+        self.forces.inverse_mass[:], self.forces.inertia_b[:] = bodies.inverse_mass, bodies.inertia_b
+        self.detection.clear()
+        if self.sleep:
+            self.sleep.forget()
+        if self.detection.levels.clear():
+            self.detection.prepare()
+            self._assemble()
+
+    def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
+        """Compiles all kernels of the step, telling which comes next, and leaves the world as it is."""
+        programs = (self.acting, self.steering, self.program)
+        total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
+        for program in programs:
+            program.compile(lambda _, __, name: report(next(done), total, name) if name else None)
+        self.detection.compile()
+        self._ready = True
+
+    def stage_names(self) -> list[str]:
+        """What a step is made of: the stages in order, and after 'motion' those that it runs in its sub-steps."""
+        inner = (*self.steering.stages, *self.acting.stages)
+        forces = [f"motion: {stage.name}" for stage in inner if stage.name]
+        names = [stage.name for stage in self.program.stages if stage.name]
+        at = names.index("motion") + 1
+        return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
+
+    def stage_times(self) -> dict[str, float]:
+        """us per step of each stage since this was last called, by `stage_names`; empty unless the world is timed."""
+        if not self._timed:
+            return {}
+        return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
+
+    @property
+    def time(self) -> float:
+        """Simulated time in s."""
+        return int(self.state.step[0]) * self.dt
+
+    def contact_counts(self) -> dict[str, int]:
+        """By level: the contacts of bodies that touch, or are about to, or do so in their sleep; those of meshes may be
+        several a pair."""
+        found = self.detection.manifolds
+        asleep = self.sleep.touching if self.sleep else NOTHING
+        level = np.concatenate([found.level[: found.count], asleep.level])
+        return dict(zip(TESTED, np.bincount(level, minlength=4).tolist(), strict=True))
+
+    @property
+    def events(self) -> list[Event]:
+        """What began, went on and ended to touch in the last step."""
+        return as_events(self.meetings)
+
+    @property
+    def meetings(self) -> Meetings:
+        """The events as arrays, which costs a tenth."""
+        return self._events.current
+
+    @property
+    def contacts(self) -> Contacts:
+        """Where bodies touch, those asleep as well."""
+        m = self.detection.manifolds
+        count, touch = m.count, np.empty((m.count, 5))
+        all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
+        asleep = self.sleep.contacts if self.sleep else None
+        if asleep is not None:  # those that fell asleep in this step are in both
+            sleeping = self.model.bodies.movable & ~self.state.is_awake
+            touch[sleeping[m.pair[:count]].any(axis=1), 3:] = -np.inf
+        now = contacts(m.pair[:count], m.points[:count], m.normal_w[:count], m.anchor_w[:count], m.separation[:count],
+                       touch)
+        return now if asleep is None else joined(now, asleep)
+
+    def object_poses(self) -> Floats:
+        """Poses (n, 7) of the bodies' objects in the world: x y z qx qy qz qw."""
+        return model.object_poses(self.model.bodies, self.state.position_w, self.state.orientation_w)
+
+    def pose(self, name: str) -> Floats:
+        """Pose (7,) of an object that is a body."""
+        pose: Floats = self.object_poses()[self.model.bodies.names.index(name)]
+        return pose

@@ -1,0 +1,12 @@
+"""Metadata is in pyproject.toml; this adds what colcon and the ament index need."""
+
+from setuptools import setup
+
+package = "drone_engine"
+
+setup(
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+)

@@ -1,0 +1,121 @@
+"""What a world tells the graph every step, as serialized messages: filled from arrays, ready to be published."""
+
+from collections.abc import Container, Iterator
+from enum import Enum
+
+import numpy as np
+
+from drone_engine.arrays import Floats
+from drone_engine.collision.events import Meetings
+from drone_engine.math.rotation import compose, inverse, rotate_all
+from drone_engine.world import World
+from drone_sim.wire import layouts
+from drone_sim.wire.cdr import SECOND, Message
+
+CLOCK_RATE = 200.0  # Hz at most
+
+
+class Type(Enum):
+    """The message types used here; the node knows their classes."""
+
+    CLOCK = "rosgraph_msgs/msg/Clock"
+    POSE = "geometry_msgs/msg/PoseStamped"
+    ODOMETRY = "nav_msgs/msg/Odometry"
+    TRANSFORMS = "tf2_msgs/msg/TFMessage"
+    JOINTS = "sensor_msgs/msg/JointState"
+    COLLISIONS = "drone_interfaces/msg/CollisionEvents"
+
+
+class Telemetry:
+    """Messages of one world. Topic names are relative; /clock, /tf and /tf_static are the graph's own."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        bodies, rotors, fixed = world.model.bodies, world.model.rotors, world.model.fixed
+        self._movable = np.flatnonzero(bodies.movable)
+        movable = [bodies.names[i] for i in self._movable]
+        self._drone_rows = np.searchsorted(self._movable, world.model.drones.body)
+        drones = [bodies.names[i] for i in world.model.drones.body]
+
+        self._clock = layouts.clock()
+        self._clock_every = max(1, int(np.ceil(world.scene.rates.physics / CLOCK_RATE)))
+        self._transforms = layouts.transforms(["world"] * len(movable) + list(rotors.parents),
+                                               movable + list(rotors.names))
+        self._joints = layouts.joint_state(rotors.names) if rotors.names else None
+        self._poses = {f"{name}/pose": layouts.pose_stamped("world") for name in movable}
+        self._odometry = {f"{name}/odom": layouts.odometry("world", name) for name in drones}
+        self._collisions = layouts.CollisionEvents(bodies.names)
+        self._collision_events(world.meetings, 0)  # compiles now what the first to listen would wait for
+        self._static = layouts.transforms(fixed.parents, fixed.names)
+        if fixed.names:
+            self._static.write("pose", fixed.pose_p)
+
+    @property
+    def topics(self) -> dict[str, Type]:
+        """Topic of everything that `messages` gives."""
+        joints = {"joint_states": Type.JOINTS} if self._joints else {}
+        return {"/clock": Type.CLOCK, "tf": Type.TRANSFORMS, "collisions": Type.COLLISIONS, **joints,
+                **dict.fromkeys(self._poses, Type.POSE), **dict.fromkeys(self._odometry, Type.ODOMETRY)}
+
+    def static(self, time_ns: int) -> bytes:
+        """The TFMessage for tf_static."""
+        self._static.stamp(time_ns)
+        return bytes(self._static)
+
+    def messages(self, heard: Container[str]) -> Iterator[tuple[str, bytes]]:
+        """Topic and message of all that this step has to say.
+
+        heard: the topics that somebody listens to; poses, odometry and collisions are left out where nobody does.
+        """
+        world, now = self._world, self.time_ns
+        step = int(world.state.step[0])
+        poses = world.object_poses()[self._movable]
+        if step % self._clock_every == 0:
+            yield "/clock", self._filled(self._clock, now)
+        yield "tf", self._filled(self._transforms, now, pose=np.concatenate([poses, self._rotor_poses()]))
+        if self._joints:
+            yield "joint_states", self._filled(self._joints, now, position=world.state.rotor_angle,
+                                               velocity=world.state.rotor_rate)
+        for (topic, message), pose in zip(self._poses.items(), poses, strict=True):
+            if topic in heard:
+                yield topic, self._filled(message, now, pose=pose)
+        for (topic, message), row, twist in zip(self._odometry.items(), self._drone_rows, self._twists(), strict=True):
+            if topic in heard:
+                yield topic, self._filled(message, now, pose=poses[row], twist=twist)
+        if "collisions" in heard and len((meetings := world.meetings).phase):
+            yield "collisions", self._collision_events(meetings, now)
+
+    def _collision_events(self, meetings: Meetings, time_ns: int) -> bytes:
+        of = meetings.of
+        pairs = np.stack([of.key >> 32, of.key & 0xFFFFFFFF], axis=1)
+        numbers = np.concatenate([of.touch[:, :3], of.normal, of.touch[:, 3:]], axis=1)
+        return self._collisions.message(time_ns, int(self._world.state.step[0]), meetings.phase, pairs, of.level,
+                                        numbers)
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time, without the rounding of many small steps."""
+        return round(int(self._world.state.step[0]) * SECOND / self._world.scene.rates.physics)
+
+    @staticmethod
+    def _filled(message: Message, time_ns: int, **values: Floats) -> bytes:
+        message.stamp(time_ns)
+        for name, numbers in values.items():
+            if numbers.size:
+                message.write(name, numbers)
+        return bytes(message)
+
+    def _rotor_poses(self) -> Floats:
+        """Poses (r, 7) of the rotors in their parents, turned about their own z axis."""
+        angle = self._world.state.rotor_angle
+        turn = np.zeros((len(angle), 7))
+        turn[:, 5], turn[:, 6] = np.sin(angle / 2), np.cos(angle / 2)
+        return compose(self._world.model.rotors.pose_p, turn)
+
+    def _twists(self) -> Floats:
+        """Twists (d, 6) of the drones in their own frames, at their objects' origins."""
+        state, bodies, drone = self._world.state, self._world.model.bodies, self._world.model.drones.body
+        to_body = inverse(state.orientation_w[drone])
+        angular = rotate_all(to_body, state.angular_velocity_w[drone])
+        linear = rotate_all(to_body, state.velocity_w[drone]) - np.cross(angular, bodies.centre_b[drone])
+        return np.concatenate([linear, angular], axis=1)
