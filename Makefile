@@ -30,31 +30,31 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 	@cd assets && "$(CURDIR)/$(RUN)" -m make
 
 check: build  ## style, types and architecture only
-	@$(RUN) -m pytest test/test_house.py
+	@$(RUN) -m pytest test/test_repository.py
 
 bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside others; make bench ARGS="--quick"
-	@$(RUN) bench/collision.py $(ARGS)
-	@$(RUN) bench/dynamics.py $(ARGS)
-	@$(RUN) bench/render.py $(ARGS)
-	@$(RUN) bench/graph.py $(ARGS)
+	@$(RUN) -m bench.collision $(ARGS)
+	@$(RUN) -m bench.dynamics $(ARGS)
+	@$(RUN) -m bench.render $(ARGS)
+	@$(RUN) -m bench.graph $(ARGS)
 
 hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
-	@$(RUN) bench/hard_cases.py $(ARGS); reached=$$?; $(RUN) figures/motion_hard_cases.py; exit $$reached
+	@$(RUN) -m bench.hard_cases $(ARGS); reached=$$?; $(RUN) -m figures.hard_cases.motion; exit $$reached
 
 figures: build  ## draw the pictures and films of the documentation anew
-	@$(RUN) figures/picture.py
-	@$(RUN) figures/island_film.py
-	@$(RUN) figures/levels.py
-	@$(RUN) figures/hard_cases.py
-	@$(RUN) figures/motion_hard_cases.py
-	@$(RUN) figures/effects.py
-	@$(RUN) figures/flight_models.py
+	@$(RUN) -m figures.render.stills
+	@$(RUN) -m figures.render.island_film
+	@$(RUN) -m figures.render.levels_film
+	@$(RUN) -m figures.hard_cases.collision
+	@$(RUN) -m figures.hard_cases.motion
+	@$(RUN) -m figures.effects
+	@$(RUN) -m figures.flight_models
 
 accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plots, in five minutes
-	@$(RUN) bench/accuracy.py
-	@$(RUN) figures/accuracy_plot.py
-	@$(RUN) bench/accuracy_motion.py
-	@$(RUN) figures/motion_accuracy_plot.py
+	@$(RUN) -m bench.accuracy.collision
+	@$(RUN) -m figures.accuracy.collision
+	@$(RUN) -m bench.accuracy.motion
+	@$(RUN) -m figures.accuracy.motion
 
 lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
 	@$(RUN) requirements/lock.py

@@ -1,4 +1,4 @@
-"""Draws a small picture of each effect, formula and simulation, for docs/effects.md: python figures/effects.py."""
+"""Draws a small picture of each effect, formula and simulation, for docs/effects.md: python -m figures.effects."""
 
 import argparse
 import math
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import style
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
@@ -19,10 +18,12 @@ from drone_engine.effects.noise import streams
 from drone_engine.flight.quadrotor import SPEED
 from drone_engine.scene.schema import load
 from drone_engine.world import World
+from figures import DOCS, style
+from figures.style import GREY, GRID
 
-OUT = Path(__file__).parents[1] / "docs" / "effects"
+OUT = DOCS / "effects"
 SIZE, PLACE = (6.4, 3.0), (0.105, 0.17, 0.865, 0.68)
-THIRD, GRID, GREY = "#7d5ba6", "#e6e9ed", "#5b6570"
+THIRD = "#7d5ba6"
 G = 9.80665
 CRATE = "crate: {model: crate, mass: 20, pose: [0, 0, 0]}"
 DRONE = "drone: {model: drone, mass: 1.5, pose: [0, 0, 50], flight: {model: quadrotor}}"
@@ -225,7 +226,8 @@ def motor_lag_(axes: Any) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="effects", description="Draws a small picture of each effect.")
+    parser = argparse.ArgumentParser(prog="python -m figures.effects",
+                                     description="Draws a small picture of each effect.")
     parser.add_argument("--out", type=Path, default=OUT, help="folder for the pictures")
     parser.add_argument("names", nargs="*", metavar="EFFECT", help="all of them if none is named")
     options = parser.parse_args()

@@ -1,20 +1,20 @@
-"""Draws how the flight models answer a command: python figures/flight_models.py."""
+"""Draws how the flight models answer a command: python -m figures.flight_models."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-import style
-from accuracy_plot import tidy
 
 from drone_engine.arrays import Floats
 from drone_engine.flight.quadrotor import SPEED
 from drone_engine.math.rotation import rotate_all
 from drone_engine.scene.schema import load
 from drone_engine.world import World
+from figures import DOCS, style
+from figures.style import tidy
 
-OUT = Path(__file__).parents[1] / "docs" / "images" / "flight_models.png"
+OUT = DOCS / "images" / "flight_models.png"
 RATE = 240  # Hz
 WAIT, TOLD, END = 0.25, 2.0, 4.5  # s: the command comes, the last one comes, the picture ends
 SPEED_TOLD = 4.0  # m/s

@@ -19,6 +19,7 @@ from drone_engine.arrays import Booleans, Floats, Integers
 
 FIRST, SECOND = "#3f78b8", "#efa22f"  # A and B
 INK, FAINT = "#22272e", "#8a94a0"
+GRID, GREY = "#e6e9ed", "#5b6570"
 HIT, APART, MISSED, INVENTED = "#44617f", "#e8ecf1", "#d7263d", "#8e3fb0"
 MEANINGS = {HIT: "they meet", APART: "they do not", MISSED: "a hit that was missed", INVENTED: "a hit that is none"}
 WIDTH, HEIGHT, DPI = 10.4, 4.5, 115  # inches
@@ -134,3 +135,24 @@ def legend(figure: Figure, meanings: Mapping[str, str]) -> None:
 
 def label(figure: Figure, x: float, y: float, text: str, **more: Any) -> None:
     figure.text(x, y, text, **{"fontsize": 9, "color": INK, "ha": "center", "va": "center", **more})
+
+
+def tidy(axes: Any) -> None:
+    axes.grid(color=GRID, linewidth=0.8, zorder=0)
+    axes.set_axisbelow(True)
+    axes.tick_params(length=2, labelsize=8.5, colors=GREY)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def number(value: float, unit: str = "") -> str:
+    """Two digits, without exponents."""
+    digits = f"{value:.2g}"
+    return (f"{float(digits):.0f}" if abs(value) >= 10 else digits) + (f" {unit}" if unit else "")
+
+
+def length(metres: float) -> str:
+    """In the unit that people would say it in."""
+    if metres >= 1.0:
+        return number(metres, "m")
+    return number(100 * metres, "cm") if metres >= 0.01 else number(1000 * metres, "mm")

@@ -1,17 +1,12 @@
-"""Makes the oracles and families beside the tests importable; holds cases of motion to their numbers."""
+"""A fixture that runs a case of motion and compares what it reaches with its limits."""
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-sys.path.insert(0, str(Path(__file__).parent))
-
-from box_world import Setting
-from motion_cases import CASES
-from motion_outcome import Outcome
+from reference.box_world import Setting
+from reference.motion.cases import CASES
+from reference.motion.outcome import Outcome
 
 
 @pytest.fixture

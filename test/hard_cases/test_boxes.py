@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from box_families import FAMILIES, QUARTERS, Pairs
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle import all_boxes_touch, boxes_touch
 
 from drone_engine.collision.box import box as obb
+from reference.box_families import FAMILIES, QUARTERS, Pairs
+from reference.box_oracle import all_boxes_touch, boxes_touch
 
 COUNT = 3000  # pairs of a family; the long counts are in `make hard-cases`
 

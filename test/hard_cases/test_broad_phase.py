@@ -10,14 +10,7 @@ from hypothesis import strategies as st
 from drone_engine.arrays import Booleans, Floats
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.broad_phase.grid import Grid
-
-Boxes = tuple[Floats, Floats]  # low, high
-
-
-def brute_force(low: Floats, high: Floats, movable: Booleans) -> Floats:
-    """All pairs a < b (k, 2) whose closed AABBs share a point, in order, one of them movable."""
-    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
-    return np.argwhere(np.triu(meet & (movable[:, None] | movable[None]), 1))
+from reference.broad_phase import Boxes, brute_force, random_boxes
 
 
 def check(low: Floats, high: Floats, movable: Booleans | None = None, broad: Grid | None = None) -> int:
@@ -27,14 +20,6 @@ def check(low: Floats, high: Floats, movable: Booleans | None = None, broad: Gri
     found = np.stack(broad.pairs(low, high, np.ones(len(low), bool), movable), axis=1)
     np.testing.assert_array_equal(found, brute_force(low, high, movable))
     return len(found)
-
-
-def random_boxes(seed: int, count: int, sizes: tuple[float, float], crowd: float = 2.0) -> Boxes:
-    """Half extents spread evenly over the orders of magnitude, in a cube in which about `crowd` of the largest fit."""
-    rng = np.random.default_rng(seed)
-    half = np.exp(rng.uniform(*np.log(sizes), (count, 1))) * rng.uniform(0.5, 1.0, (count, 3))
-    centre = rng.uniform(-1, 1, (count, 3)) * sizes[1] * crowd
-    return centre - half, centre + half
 
 
 @pytest.mark.parametrize("reach", [1, 10, 100, 1000])

@@ -1,10 +1,11 @@
-"""Motion with contact: nothing sinks, creeps, jitters or gains energy. Cases: bench/motion_cases.py"""
+"""Motion with contact: nothing sinks, creeps, jitters or gains energy. Cases: reference/motion/cases.py"""
 
 from collections.abc import Callable
 
 import pytest
-from box_world import Setting
-from motion_cases import CASES
+
+from reference.box_world import Setting
+from reference.motion.cases import CASES
 
 Hold = Callable[..., None]
 

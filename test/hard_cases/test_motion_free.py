@@ -1,15 +1,15 @@
-"""Motion without contact: orders of convergence, a fast spin that keeps its energy. Cases: bench/motion_cases.py"""
+"""Motion without contact: orders of convergence, a fast spin that keeps its energy. Cases: reference/motion/cases.py"""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from box_world import Setting
-from free_rotation import attitude, rates
-from motion_cases import CASES
 from scipy.integrate import solve_ivp
 
 from drone_engine.arrays import Floats
+from reference.box_world import Setting
+from reference.free_rotation import attitude, rates
+from reference.motion.cases import CASES
 
 Hold = Callable[..., None]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from box_world import Box, Setting, world_of
 
 from drone_engine.world import Command, World
+from reference.box_world import Box, Setting, world_of
 
 WORST = (float("nan"), float("inf"), -float("inf"))
 EXTREME = (1e308, -1e308, 5e-324, -5e-324, -0.0)

@@ -1,4 +1,4 @@
-"""Whole scenes: fast shots, long runs, runs that repeat, a clock that stalls. Cases: bench/motion_cases.py
+"""Whole scenes: fast shots, long runs, runs that repeat, a clock that stalls. Cases: reference/motion/cases.py
 
 The long counts, 10,000 shots and a million steps, are those of `make hard-cases`.
 """
@@ -9,25 +9,26 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import motion_whole
 import pytest
-from box_world import Setting
-from motion_cases import CASES
+
+from reference.box_world import Setting
+from reference.motion import scenes
+from reference.motion.cases import CASES
 
 Hold = Callable[..., None]
 
-BENCH = Path(motion_whole.__file__).parent
+ROOT = Path(__file__).parents[2]
 SHOTS, STEPS = 1000, 20_000
 
 
 @pytest.mark.parametrize("setting", CASES["plate"].settings, ids=str)
 def test_no_shot_passes_through_a_thin_plate(setting: Setting, hold: Hold) -> None:
-    hold("plate", setting, partial(motion_whole.plate, shots=SHOTS))
+    hold("plate", setting, partial(scenes.plate, shots=SHOTS))
 
 
 @pytest.mark.parametrize("setting", CASES["island"].settings, ids=str)
 def test_nothing_at_rest_in_the_island_drifts(setting: Setting, hold: Hold) -> None:
-    hold("island", setting, partial(motion_whole.island, steps=STEPS))
+    hold("island", setting, partial(scenes.island, steps=STEPS))
 
 
 @pytest.mark.parametrize("setting", CASES["repeats"].settings, ids=str)
@@ -37,14 +38,14 @@ def test_the_same_commands_give_the_same_states_bit_for_bit(setting: Setting, ho
 
 @pytest.mark.parametrize("setting", CASES["repeats"].settings, ids=str)
 def test_another_process_reaches_the_same_state(setting: Setting) -> None:
-    world = motion_whole.heap(setting)
-    for commands in motion_whole.flight(200):
+    world = scenes.heap(setting)
+    for commands in scenes.flight(200):
         world.step(commands)
-    program = ("import motion_whole; from box_world import Setting\n"
-               f"world = motion_whole.heap({setting!r})\n"
-               "for commands in motion_whole.flight(200): world.step(commands)\n"
+    program = ("from reference.motion import scenes\nfrom reference.box_world import Setting\n"
+               f"world = scenes.heap({setting!r})\n"
+               "for commands in scenes.flight(200): world.step(commands)\n"
                "print(world.state.hash())")
-    other = subprocess.run([sys.executable, "-c", program], cwd=BENCH, capture_output=True, text=True, check=True)
+    other = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert other.stdout.strip() == world.state.hash()
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from box_families import directions, nudged
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle import all_spheres_touch, spheres_touch
 
 from drone_engine.collision.box import sphere
+from reference.box_families import directions, nudged
+from reference.box_oracle import all_spheres_touch, spheres_touch
 
 COUNT = 20_000
 Spheres = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]

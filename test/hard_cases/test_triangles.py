@@ -5,13 +5,13 @@ import zlib
 
 import numpy as np
 import pytest
-import triangle_oracle
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from triangle_families import FAMILIES
 
 from drone_engine.arrays import Floats
 from drone_engine.collision.triangle import intersection as triangle
+from reference import triangle_oracle
+from reference.triangle_families import FAMILIES
 
 SAMPLE = 2000  # pairs of each family; a quarter of them where the oracle's numbers have a thousand bits
 

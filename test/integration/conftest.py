@@ -15,9 +15,8 @@ import pytest
 os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
 os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).parents[2] / "ros2_ws/fastdds.xml"))
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-sys.path.insert(0, str(Path(__file__).parent))
 
-from live import Graph, NodeProcess, Spawn
+from .live import Graph, NodeProcess, Spawn
 
 # Domains whose ports lie below those that Linux gives to outgoing connections.
 DOMAINS = range(40, 101)

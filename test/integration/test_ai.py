@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 from drone_interfaces.msg import Scene as SceneMessage
-from live import Graph, Spawn
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from simulation_interfaces.msg import Resource, Result
 from simulation_interfaces.srv import LoadWorld
 from std_msgs.msg import Bool
+
+from .live import Graph, Spawn
 
 SCENE = """
 version: 1

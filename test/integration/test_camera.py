@@ -8,7 +8,6 @@ import pytest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped, Twist, Vector3
-from live import Graph, Spawn
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
@@ -16,6 +15,8 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
+
+from .live import Graph, Spawn
 
 VIEWS = ("", "/depth", "/segmentation")  # of a camera, where its images and their camera_info are
 MEADOW = Path(__file__).with_name("meadow.yaml")

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from drone_interfaces.msg import CollisionEvent, CollisionEvents
 from geometry_msgs.msg import PoseStamped
-from live import Graph, Spawn
 from rclpy.serialization import deserialize_message
 from tf2_msgs.msg import TFMessage
 
 from drone_sim.wire.cdr import SECOND, Transforms, read_transforms
+
+from .live import Graph, Spawn
 
 CRATES = {f"crate_{i}" for i in range(1024)}
 SECONDS = 4.0  # of simulated time: they all have met something by then

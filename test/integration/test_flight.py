@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from drone_interfaces.msg import CollisionEvent, CollisionEvents
 from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, Vector3
-from live import Graph, Spawn
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
@@ -17,6 +16,8 @@ from tf2_msgs.msg import TFMessage
 from drone_engine.collision.pipeline import axes_of
 from drone_engine.geometry.mesh import bounds
 from drone_engine.scene import schema as scenes
+
+from .live import Graph, Spawn
 
 DEEPEST = 0.005  # m that a drone may get into a wall
 MEADOW = Path(__file__).with_name("meadow.yaml")

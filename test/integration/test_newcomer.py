@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from geometry_msgs.msg import PoseStamped
-from live import Graph, Spawn
+
+from .live import Graph, Spawn
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)

@@ -4,7 +4,8 @@ import signal
 
 import pytest
 from geometry_msgs.msg import PoseStamped
-from live import Graph, Spawn
+
+from .live import Graph, Spawn
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

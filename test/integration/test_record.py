@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 from geometry_msgs.msg import PoseStamped
-from live import Graph, NodeProcess, Spawn
 from rosbags.highlevel import AnyReader
 from tf2_msgs.msg import TFMessage
+
+from .live import Graph, NodeProcess, Spawn
 
 MEADOW = Path(__file__).with_name("meadow.yaml")
 START = Path(__file__).parents[2] / "ros2_ws" / "start.py"

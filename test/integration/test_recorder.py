@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
-from live import Graph, Spawn
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
@@ -15,6 +14,8 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
 from drone_sim.bag import recover
+
+from .live import Graph, Spawn
 
 RECORDER = "drone_sim.recorder_node"
 

@@ -10,7 +10,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drone_interfaces.msg import CollisionEvent, CollisionEvents, Scene
 from drone_interfaces.srv import SetCollisionLevel
 from geometry_msgs.msg import PoseStamped, Twist, Vector3
-from live import Graph, NodeProcess, Spawn
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -24,6 +23,8 @@ from simulation_interfaces.srv import (
     StepSimulation,
 )
 from visualization_msgs.msg import MarkerArray
+
+from .live import Graph, NodeProcess, Spawn
 
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STEP = 1.0 / 30.0

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from geometry_msgs.msg import PoseStamped
-from live import Graph, NodeProcess, Spawn
+
+from .live import Graph, NodeProcess, Spawn
 
 MEADOW = Path(__file__).with_name("meadow.yaml")
 START = Path(__file__).parents[2] / "ros2_ws" / "start.py"

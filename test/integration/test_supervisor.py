@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from live import DEADLINE, NodeProcess
+
+from .live import DEADLINE, NodeProcess
 
 SUPERVISOR = """
 import sys, pathlib

@@ -16,7 +16,6 @@ from typing import Any, Self
 import pytest
 from drone_interfaces.msg import Scene
 from geometry_msgs.msg import Twist
-from live import DEADLINE, Graph, Spawn
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -24,6 +23,8 @@ from simulation_interfaces.msg import Result, SimulationState
 from simulation_interfaces.srv import ResetSimulation, SetSimulationState
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
+
+from .live import DEADLINE, Graph, Spawn
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 F4 = b"\x1bOS"

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from geometry_msgs.msg import PoseStamped, Twist
-from live import Graph, NodeProcess, Spawn
+
+from .live import Graph, NodeProcess, Spawn
 
 WORKSPACE = Path(__file__).parents[2] / "ros2_ws"
 

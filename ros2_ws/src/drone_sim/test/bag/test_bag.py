@@ -1,7 +1,9 @@
 """Bags: what goes in comes out in every reader, also after the writer was killed in the middle."""
 
-import subprocess
-import sys
+import multiprocessing
+import os
+import resource
+import signal
 from pathlib import Path
 
 import pytest
@@ -20,22 +22,6 @@ TWIST_HASH = "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6f
 TOPIC = Topic("/cmd_vel", TWIST, definition(TWIST), type_hash(TWIST))
 STORAGES = pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 
-# Writes messages and flushes after every tenth; then, without a flush, five more, and dies as by kill -9.
-KILLED = """
-import os, signal, sys
-from pathlib import Path
-sys.path.insert(0, sys.argv[3])
-from test_bag import TOPIC, messages
-from drone_sim.bag import BagWriter
-bag = BagWriter(Path(sys.argv[1]), sys.argv[2])
-bag.add_topic(TOPIC)
-for time, data in enumerate(messages(35)):
-    bag.write(TOPIC.name, time, data)
-    if time % 10 == 9:
-        bag.flush()
-os.kill(os.getpid(), signal.SIGKILL)
-"""
-
 
 def messages(count: int) -> list[bytes]:
     """Different Twists, serialized."""
@@ -51,9 +37,33 @@ def read(path: Path) -> list[tuple[str, int, bytes]]:
         return [(connection.topic, time, bytes(data)) for connection, time, data in bag.messages()]
 
 
+def write_and_die(path: Path, storage: str, repeats: int = 1, largest_file: int | None = None) -> None:
+    """Writes 35 messages so many times, with a flush after every tenth one, and ends as by kill -9.
+
+    largest_file: bytes that a file of this process may have.
+    """
+    if largest_file is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
+    bag = BagWriter(path, storage)
+    bag.add_topic(TOPIC)
+    for time, data in enumerate(messages(35) * repeats):
+        bag.write(TOPIC.name, time, data)
+        if time % 10 == 9:
+            bag.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def exit_status(*arguments: object) -> int | None:
+    """The exit status of a process that runs `write_and_die`, -N after signal N."""
+    process = multiprocessing.get_context("fork").Process(target=write_and_die, args=arguments)
+    process.start()
+    process.join()
+    return process.exitcode
+
+
 def killed(path: Path, storage: str) -> None:
-    result = subprocess.run([sys.executable, "-c", KILLED, path, storage, Path(__file__).parent], check=False)
-    assert result.returncode == -9
+    """A bag whose writer was killed; its last five messages were not flushed."""
+    assert exit_status(path, storage) == -signal.SIGKILL
 
 
 def test_definitions_and_hashes_are_those_of_public_jazzy() -> None:
@@ -145,15 +155,9 @@ def test_a_bag_is_never_overwritten(tmp_path: Path) -> None:
 
 
 @STORAGES
-def test_a_full_disk_is_said_in_one_line(tmp_path: Path, storage: str) -> None:
-    program = KILLED.replace("import os", "import resource, os").replace(
-        "bag = ", "resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))\nbag = "
-    ).replace("messages(35)", "messages(35) * 100")
-    result = subprocess.run(
-        [sys.executable, "-c", program, tmp_path / "bag", storage, Path(__file__).parent],
-        check=False, capture_output=True, text=True,
-    )
-    assert result.returncode == 1
-    assert result.stderr.splitlines()[-1].startswith(f"drone_sim.bag.storage.BagError: {tmp_path / 'bag'}: ")
+def test_a_full_disk_is_reported_in_one_line(tmp_path: Path, storage: str, capfd: pytest.CaptureFixture[str]) -> None:
+    assert exit_status(tmp_path / "bag", storage, 100, 50_000) == 1
+    last = capfd.readouterr().err.splitlines()[-1]
+    assert last.startswith(f"drone_sim.bag.storage.BagError: {tmp_path / 'bag'}: ")
     assert recover(tmp_path / "bag")
     assert len(read(tmp_path / "bag")) > 100

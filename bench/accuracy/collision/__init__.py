@@ -1,0 +1,1 @@
+"""Error and CPU time of the four collision levels."""

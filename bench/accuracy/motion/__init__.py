@@ -1,0 +1,1 @@
+"""Error and CPU time of the integrators, beside MuJoCo and PyBullet, and of the effects."""

@@ -1,0 +1,1 @@
+"""Speed of the collision detection beside coal and FCL."""

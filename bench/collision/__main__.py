@@ -1,0 +1,208 @@
+"""Collision detection against coal and FCL on the same pairs in the same run, on one thread.
+
+Boxes and meshes near touch, half of which do; broad phase frames; wrong answers on hard pairs. Answers are compared,
+disagreements printed. What can be made before a frame (shapes, trees, transforms) is made before, on all sides; ours
+takes a batch in one call, the others one call a pair, as Python has them.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
+from itertools import cycle
+from typing import NamedTuple
+
+import numpy as np
+
+from bench.collision import boxes_without_bounds, inputs, libraries, wrong_answers
+from bench.collision.inputs import Boxes, Mesh
+from bench.report.clock import Times, side_by_side
+from bench.report.results import Row, report
+from drone_engine.arrays import Booleans, Floats, Integers
+from drone_engine.collision.box import box as obb
+from drone_engine.collision.broad_phase.grid import Grid
+from drone_engine.collision.mesh import octree, traversal
+
+SHOWN = 3  # disagreements of a row that are printed in full
+FRAMES = {1000: 0.2, 10_000: 3.0, 100_000: 40.0}  # boxes: ms asked
+
+
+class Size(NamedTuple):
+    """How much is measured."""
+
+    rounds: int
+    boxes: int
+    meshes: int
+    frames: tuple[int, ...]
+    hard: int
+
+
+FULL = Size(rounds=9, boxes=100_000, meshes=400, frames=tuple(FRAMES), hard=1000)
+QUICK = Size(rounds=3, boxes=20_000, meshes=100, frames=(1000, 10_000), hard=200)
+
+
+def rates(work: str, count: int, times: dict[str, Times], asked: float | None) -> Row:
+    """Pairs per second; without `asked`, twice the faster of the others is."""
+    wall, cpu, best = ({name: count / seconds for name, seconds in zip(times, column, strict=True)}
+                       for column in zip(*times.values(), strict=True))
+    ours = wall.pop("ours")
+    fastest = max(wall.values())
+    goal, text = (asked, f"{asked / 1e6:g} M") if asked else (2.0 * fastest, "2 x the faster")
+    return Row(work, "1/s", ours, text, ours >= goal, {libraries.NAMES[name]: value for name, value in wall.items()},
+               ours / fastest, cpu, best)
+
+
+def agree(work: str, ours: Booleans, others: dict[str, Booleans], tell: Callable[[int], str]) -> None:
+    """Prints how many answers differ, and the first of them."""
+    for name, answers in others.items():
+        differ = np.flatnonzero(ours != answers)
+        print(f"{work}: {ours.sum()} of {len(ours)} touch; {libraries.NAMES[name]} differs in {len(differ)}",
+              flush=True)
+        for k in differ[:SHOWN]:
+            print(f"  pair {k}: ours {bool(ours[k])}; {tell(int(k))}")
+
+
+def boxes(size: Size) -> Iterator[Row]:
+    """Pairs of boxes: whether they touch, and the whole manifold."""
+    a, b = inputs.boxes_near_touch(np.random.default_rng(1), size.boxes)
+    asking = libraries.boxes(a, b)
+    ours = obb.intersects(*a, *b)
+
+    def tell(k: int) -> str:
+        return " and ".join(", ".join(f"{part} {getattr(box, part)[k].tolist()}" for part in Boxes._fields)
+                            for box in (a, b))
+
+    agree("boxes, yes or no", ours, {name: libraries.hits(run) for name, run in asking.items()}, tell)
+    times = side_by_side({"ours": lambda: obb.intersects(*a, *b), **asking}, size.rounds)
+    yield rates("boxes, yes or no", size.boxes, times, 40e6)
+
+    if not np.array_equal(boxes_without_bounds.intersects(*a, *b), ours):
+        raise SystemExit("the box kernel without its bounds answers otherwise on ordinary pairs")
+    times = side_by_side({"ours": lambda: obb.intersects(*a, *b),
+                          "without": lambda: boxes_without_bounds.intersects(*a, *b)}, 5 * size.rounds)
+    cost = 100.0 * (times["ours"].best / times["without"].best - 1.0)
+    yield Row("boxes, what exactness costs: against the same kernel without bounds, best rounds", "%", cost, "under 5",
+              cost < 5.0)
+
+    asking = libraries.boxes(a, b, most=8)
+    found = obb.contacts(*a, *b)
+    touching = np.zeros(size.boxes, bool)
+    touching[found.number] = np.diff(found.first) > 0
+    agree("boxes, manifold", touching, {name: libraries.hits(run) for name, run in asking.items()}, tell)
+    if not np.array_equal(touching, ours):
+        raise SystemExit("obb.contacts and obb.intersects disagree")
+    times = side_by_side({"ours": lambda: obb.contacts(*a, *b), **asking}, size.rounds)
+    each = len(found.point) / len(found.number)
+    yield rates(f"boxes, normal, depth and manifold ({each:.1f} points a hit)", size.boxes, times, 10e6)
+
+
+def poses_near_touch(rng: np.random.Generator, tree: octree.Octree, reach: float, n: int) -> tuple[Floats, Floats]:
+    """Poses (n, 7) of two copies of a mesh, turned at random; b in a random direction at 0.97 to 1.03 times the
+    distance at which, coming from outside, it first touches a."""
+    a, b = np.zeros((2, n, 7))
+    a[:, 3:], b[:, 3:] = inputs.quaternions(rng, n), inputs.quaternions(rng, n)
+    way = rng.normal(size=(n, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    outside, step = np.full(n, 2.0 * reach), reach / 30.0
+    open_ = np.ones(n, bool)
+    while open_.any():
+        b[:, :3] = way * (outside - step)[:, None]
+        open_ &= ~traversal.intersects(tree, a, tree, b)
+        outside[open_] -= step
+        if outside.min() < 0.0:
+            raise SystemExit("two copies of a mesh miss each other wherever they are")
+    inside = outside - step
+    for _ in range(24):
+        middle = (inside + outside) / 2
+        b[:, :3] = way * middle[:, None]
+        hit = traversal.intersects(tree, a, tree, b)
+        inside, outside = np.where(hit, middle, inside), np.where(hit, outside, middle)
+    b[:, :3] = way * (outside * rng.uniform(0.97, 1.03, n))[:, None]
+    return a, b
+
+
+def meshes(size: Size) -> Iterator[Row]:
+    """A mesh against a copy: whether they touch, and all pairs of triangles that meet."""
+    for name, mesh in inputs.meshes().items():
+        tree = octree.build(*mesh)
+        reach = float(np.linalg.norm(mesh.vertices, axis=1).max())
+        a, b = poses_near_touch(np.random.default_rng(11), tree, reach, size.meshes)
+        yield from _mesh(f"{name} of {len(mesh.faces)} triangles", mesh, tree, a, b, size.rounds)
+
+
+def _mesh(what: str, mesh: Mesh, tree: octree.Octree, a: Floats, b: Floats, rounds: int) -> Iterator[Row]:
+    def tell(k: int) -> str:
+        return f"poses {a[k].tolist()} and {b[k].tolist()}"
+
+    asking = libraries.meshes(mesh, a, b)
+    ours = traversal.intersects(tree, a, tree, b)
+    agree(f"{what}, yes or no", ours, {name: libraries.hits(run) for name, run in asking.items()}, tell)
+    times = side_by_side({"ours": lambda: traversal.intersects(tree, a, tree, b), **asking}, rounds)
+    yield rates(f"{what}, yes or no", len(a), times, None)
+
+    asking = libraries.meshes(mesh, a, b, libraries.EVERYTHING)
+    count = np.diff(traversal.pairs(tree, a, tree, b)[0])
+    for name, run in asking.items():
+        differ = np.flatnonzero(run() != count)
+        print(f"{what}, all contacts: {count.sum()} pairs of triangles; {libraries.NAMES[name]} counts others in "
+              f"{len(differ)} of {len(a)} pairs of meshes", flush=True)
+    if not np.array_equal(count > 0, ours):
+        raise SystemExit("traversal.pairs and traversal.intersects disagree")
+    times = side_by_side({"ours": lambda: traversal.contacts(tree, a, tree, b), **asking}, rounds)
+    yield rates(f"{what}, all contacts ({count[count > 0].mean():.0f} a hit)", len(a), times, None)
+
+
+def frames(size: Size) -> Iterator[Row]:
+    """All pairs of n moving boxes, sorted; every box moves between two frames."""
+    for n in size.frames:
+        yield _frame(n, size.rounds)
+
+
+def _frame(n: int, rounds: int) -> Row:
+    scene = inputs.frame(n)
+    grid, everything = Grid((scene.high - scene.low) / 2), np.ones(n, bool)
+    moments = cycle([(scene.low_next, scene.high_next), (scene.low, scene.high)])
+
+    def ours() -> tuple[Integers, Integers]:
+        return grid.pairs(*next(moments), everything, everything)
+
+    asking = libraries.frames(scene)
+    found = len(ours()[0])
+    if found != _brute_force(scene.low_next, scene.high_next):
+        raise SystemExit(f"the grid finds {found} pairs of {n} boxes, brute force another number")
+    for name, run in asking.items():
+        print(f"frame of {n} boxes: {found} pairs; {libraries.NAMES[name]} finds {run()}", flush=True)
+    times = side_by_side({"ours": ours, **asking}, rounds)
+    wall, cpu, best = ({name: 1e3 * seconds for name, seconds in zip(times, column, strict=True)}
+                       for column in zip(*times.values(), strict=True))
+    mine = wall.pop("ours")
+    return Row(f"broad phase, frame of {n} boxes, {found / n:.1f} pairs each", "ms", mine, f"under {FRAMES[n]:g} ms",
+               mine < FRAMES[n], {libraries.NAMES[name]: value for name, value in wall.items()},
+               min(wall.values()) / mine, cpu, best)
+
+
+def _brute_force(low: Floats, high: Floats) -> int:
+    """How many pairs of AABBs overlap: each against all behind it that begin before it ends."""
+    order = np.argsort(low[:, 0])
+    low, high = low[order], high[order]
+    ends = np.searchsorted(low[:, 0], high[:, 0], side="right")
+    return sum(int(((low[i + 1 : end, 1:] <= high[i, 1:]) & (low[i, 1:] <= high[i + 1 : end, 1:])).all(axis=1).sum())
+               for i, end in enumerate(ends))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="fewer of everything, under a minute")
+    size = QUICK if parser.parse_args().quick else FULL
+    rows: list[Row] = []
+    for part in (boxes(size), meshes(size), frames(size), wrong_answers.rows(size.hard)):
+        for row in part:
+            rows.append(row)
+            others = ", ".join(f"{name} {value:.4g}" for name, value in row.peers.items())
+            print(f"{row.work}: {row.ours:.4g} {row.unit}; {others}", flush=True)
+    versions = {name: version(name) for name in ("numpy", "numba", "coal", "python-fcl")}
+    report("collision", {**size._asdict(), "numbers": "medians of rounds in which all take turns", "threads": 1,
+                         "made before": "shapes, trees, transforms; kernels compiled", **versions}, rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Speed of contact solver, flight models and whole scenes beside MuJoCo, PyBullet, crazyflow and RotorPy."""

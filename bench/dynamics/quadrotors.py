@@ -1,0 +1,102 @@
+"""One quadrotor and a thousand: loops, mixing, four rotors with motor lag and air drag, dt = 1/240 s, one thread.
+
+    python -m bench.dynamics.quadrotors
+
+What flies is the drone of the island by the default integrator. Each work checks the answer that it times: the drones
+have to fly as they are told, and those of a fleet as one that flies alone.
+"""
+
+import argparse
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from bench.report.clock import Times, side_by_side
+from bench.report.results import Row, report
+from drone_engine.arrays import Floats
+from drone_engine.fleet import Fleet
+from drone_engine.scene.schema import Scene, load
+from drone_engine.world import World
+
+RATE = 240  # Hz
+SCENE = f"""version: 1
+rates: {{physics: {RATE}}}
+dynamics: {{substeps: 1}}
+effects: {{gravity: {{}}, drag: {{}}, motor_lag: {{}}}}
+objects:
+  drone: {{model: drone, pose: [0, 0, 1], mass: 1.4, flight: {{model: quadrotor}}}}
+  front_left: {{model: drone_rotor_cw, parent: drone, pose: [0.19, 0.19, 0.066], rotor: {{direction: -1}}}}
+  front_right: {{model: drone_rotor_ccw, parent: drone, pose: [0.19, -0.19, 0.066], rotor: {{direction: 1}}}}
+  rear_left: {{model: drone_rotor_ccw, parent: drone, pose: [-0.19, 0.19, 0.066], rotor: {{direction: 1}}}}
+  rear_right: {{model: drone_rotor_cw, parent: drone, pose: [-0.19, -0.19, 0.066], rotor: {{direction: -1}}}}
+"""
+COMMAND = (2.0, 0.0, 0.0, 0.0)
+MANY = 1000
+
+
+def scene() -> Scene:
+    """The scene that is timed."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "quadrotor.yaml"
+        path.write_text(SCENE)
+        return load(path)
+
+
+def commands() -> Floats:
+    """A command for each of the many, (MANY, 4), so that no two fly alike."""
+    wanted = np.random.default_rng(1).uniform(-3.0, 3.0, (MANY, 4))
+    wanted[:, 3] *= 0.1  # who turns fast flies in circles
+    return wanted
+
+
+def check() -> None:
+    """Raises AssertionError unless drones fly as they are told, and bit for bit the same whichever way it is done."""
+    alone, wanted = World(scene()), commands()
+    fleet = Fleet(alone.scene, MANY)
+    assert fleet.in_blocks, fleet.why_not
+    for _ in range(8):
+        alone.command("drone", tuple(wanted[7]))
+        alone.run(100)
+        fleet.run(100, wanted)
+    np.testing.assert_array_equal(fleet.state.position_w[7], alone.state.position_w[0])
+    np.testing.assert_array_equal(fleet.state.velocity_w[7], alone.state.velocity_w[0])
+    speed, told = np.linalg.norm(fleet.state.velocity_w, axis=1), np.linalg.norm(wanted[:, :3], axis=1)
+    assert np.abs(speed / told - 1.0).max() < 0.05, "the drones do not fly as they are told"
+
+
+def rows(rounds: int = 15) -> list[Row]:
+    """The three works of one drone and many, by World and by Fleet."""
+    check()
+    world, one, many = World(scene()), Fleet(scene(), 1), Fleet(scene(), MANY)
+    told, wanted, single = {"drone": COMMAND}, commands(), np.array(COMMAND)
+
+    def keep_flying() -> None:
+        world.command("drone", COMMAND)
+        world.run(100)
+
+    times = side_by_side({
+        "step": lambda: world.step(told), "step of a fleet": lambda: one.run(1, single),
+        "batch": keep_flying, "batch of a fleet": lambda: one.run(100, single),
+        "many": lambda: many.run(100, wanted), "many, a step": lambda: many.run(1, wanted)}, rounds)
+    return [
+        _row("one quadrotor with controller, a step per call", times["step"], 1, 300_000),
+        _row("the same, as a fleet of one", times["step of a fleet"], 1, 300_000),
+        _row("one quadrotor, 100 steps per call", times["batch of a fleet"], 100, 4_000_000),
+        _row("the same, as a World", times["batch"], 100, None),
+        _row(f"{MANY:,} quadrotors, 100 steps per call", times["many"], 100 * MANY, 12_000_000),
+        _row(f"{MANY:,} quadrotors, a step and new commands per call", times["many, a step"], MANY, None)]
+
+
+def _row(work: str, taken: Times, steps: int, asked: int | None) -> Row:
+    """Drone steps per second; steps: of one call."""
+    return Row(work, "steps/s", steps / taken.wall, f">= {asked:,}" if asked else "",
+               steps / taken.cpu >= asked if asked else None, cpu={"ours": steps / taken.cpu},
+               best={"ours": steps / taken.best})
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer rounds")
+    report("quadrotors", {"dt": 1 / RATE, "substeps": 1, "effects": "gravity, drag, motor_lag", "threads": 1},
+           rows(5 if parser.parse_args().quick else 15))

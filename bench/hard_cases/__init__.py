@@ -1,0 +1,1 @@
+"""The hard cases of collision and motion in large numbers."""

@@ -1,0 +1,1 @@
+"""Speed of the renderer beside other renderers, all on the CPU."""

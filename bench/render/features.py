@@ -1,0 +1,144 @@
+"""What each part of the island's picture costs, in ms: the same views with it and without it, in turns."""
+
+import statistics
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from bench.report.results import Row
+from drone_engine.scene import schema as scenes
+from drone_engine.scene.schema import Scene
+from drone_engine.world import World
+from drone_render import context
+from drone_render.image import Picture
+from drone_render.lines import read_markers
+from drone_render.renderer import Renderer
+from drone_sim.wire.markers import Markers
+
+VIEWS = ("chase", "overview", "orbit")
+REPEATS = 4  # of all views in a round
+SEA, SKY = "sea_view", "sky_view"  # views of what others show little of
+ALONE = f"""
+{SEA}: {{pose: [60, 0, 12, 0, 0.45, 0]}}
+{SKY}: {{pose: [0, 0, 12, 0, -0.7, 0]}}
+"""
+WITHOUT = {
+    "sky": {"sky": None}, "water": {"water": None}, "normal maps": {"normal_mapping": None},
+    "highlights": {"specular": None}, "smooth edges": {"antialiasing": None},
+}
+
+
+class Camera:
+    """A renderer and what it draws into."""
+
+    def __init__(self, scene: Scene, graphics: Any, views: tuple[str, ...] = VIEWS, **words: float) -> None:
+        self._renderer = Renderer(scene, graphics, **words)
+        self._pictures = {name: Picture(scene.cameras[name].size, name) for name in views}
+        self._count = 0
+
+    def draw(self) -> None:
+        """Every view once, a little later than before."""
+        self._count += 1
+        for name, picture in self._pictures.items():
+            self._renderer.draw(name, self._renderer.hierarchy.start, self._count / 60, picture)
+
+    def spread(self) -> float:
+        """How far the pixels of the last pictures are from one grey, at least."""
+        return min(float(np.frombuffer(picture.pixels(), np.uint8).std()) for picture in self._pictures.values())
+
+    @property
+    def count(self) -> int:
+        """Pictures that `draw` draws."""
+        return len(self._pictures)
+
+
+class Debug(Camera):
+    """With the debug view, whose lines are placed anew for every picture."""
+
+    def __init__(self, scene: Scene, graphics: Any) -> None:
+        super().__init__(scene, graphics)
+        world = World(scene)
+        world.step()
+        self._shapes = read_markers(Markers(world).message(0))
+
+    def draw(self) -> None:
+        hierarchy = self._renderer.hierarchy
+        self._renderer.show(self._shapes.placed(hierarchy.names, hierarchy.world(hierarchy.start)))
+        super().draw()
+
+
+class Ranges(Camera):
+    """Depths and labels instead of colours."""
+
+    def __init__(self, scene: Scene, graphics: Any) -> None:
+        super().__init__(scene, graphics)
+        size = {name: scene.cameras[name].size for name in VIEWS}
+        self._ranges = {name: [Picture(size[name], name, kind) for kind in ("32FC1", "16UC1")] for name in VIEWS}
+
+    def draw(self) -> None:
+        for name, pair in self._ranges.items():
+            self._renderer.measure(name, self._renderer.hierarchy.start, 0.0, *pair)
+
+    def spread(self) -> float:
+        return 10.0 * min(len(np.unique(np.frombuffer(pair[1].pixels(), np.uint16))) for pair in self._ranges.values())
+
+
+def rows(rounds: int) -> Iterator[Row]:
+    """The island whole, and what it costs more than without each of its parts."""
+    island = scenes.load("island").with_cameras(ALONE)
+    graphics = context.create()
+
+    def changed(**change: Any) -> Scene:
+        return island.model_copy(update={"render": island.render.model_copy(update=change)})
+
+    cameras = {"everything": Camera(island, graphics)}
+    for name, change in WITHOUT.items():
+        if getattr(island.render, next(iter(change))) is not None:
+            cameras[name] = Camera(changed(**change), graphics)
+    for light in island.lights:
+        lights = {name: thing for name, thing in island.lights.items() if name != light}
+        cameras[f"light '{light}'"] = Camera(island.model_copy(update={"lights": lights}), graphics)
+    cameras["the debug view"] = Debug(island, graphics)
+    cameras["depth and labels"] = Ranges(island, graphics)
+    sky = island.render.sky
+    assert sky is not None
+    cloudless = sky.model_copy(update={"clouds": None})
+    cameras |= {
+        "the sea alone": Camera(island, graphics, (SEA,)), "the sky alone": Camera(island, graphics, (SKY,)),
+        "the sky alone, without clouds": Camera(changed(sky=cloudless), graphics, (SKY,)),
+        "the sky alone, by night": Camera(changed(daylight=0.0), graphics, (SKY,)),
+    }
+    wall, cpu = _measure(cameras, rounds)
+    for name, camera in cameras.items():
+        if camera.spread() < 4.0:
+            raise SystemExit(f"island, {name}: a picture of one colour")
+    usual = {name: statistics.median(times) for name, times in cpu.items()}
+    rate = 1e3 / statistics.median(wall["everything"])
+    yield Row("island, 640x480, everything on, alone", "1/s", rate, "80", rate >= 80.0,
+              cpu={"ours": 1e3 / usual["everything"]}, best={"ours": 1e3 / min(wall["everything"])})
+    for name in [name for name in cameras if name != "everything"]:
+        # In the same round, as the machine's speed drifts from one to the next.
+        cost = statistics.median(whole - part for whole, part in zip(cpu["everything"], cpu[name], strict=True))
+        if "alone" in name or name.startswith("depth"):
+            cost = usual[name]
+        elif isinstance(cameras[name], Debug):  # the only one that is more than everything
+            cost = -cost
+        what = f"island, 640x480: {name}, CPU time a picture"
+        yield Row(what, "ms", cost, *(("at most 3", cost <= 3.0) if name == "smooth edges" else ()))
+
+
+def _measure(cameras: Mapping[str, Camera], rounds: int) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """ms of wall and of CPU time a picture, in each round; the first of each turn brings back the caches."""
+    walls: dict[str, list[float]] = {name: [] for name in cameras}
+    cpus: dict[str, list[float]] = {name: [] for name in cameras}
+    for _ in range(rounds):
+        for name, camera in cameras.items():
+            camera.draw()
+            wall, cpu = time.perf_counter(), time.process_time()
+            for _ in range(REPEATS):
+                camera.draw()
+            walls[name].append(1e3 * (time.perf_counter() - wall) / (REPEATS * camera.count))
+            cpus[name].append(1e3 * (time.process_time() - cpu) / (REPEATS * camera.count))
+    return walls, cpus

@@ -1,0 +1,1 @@
+"""Timing of calls, and the table and JSON file of each benchmark."""

@@ -1,0 +1,168 @@
+"""Pairs of boxes that rounding gets wrong, and maps of the answers around them."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from drone_engine.arrays import Booleans, Floats
+from drone_engine.collision.box import box as obb
+from figures import style
+from reference import textbook
+
+EPSILON = 2.0**-53
+X_STEPS, Y_STEPS = "x of B, steps of 1 ulp", "y of B, steps of 1 ulp"
+REACH = 20  # steps each way of a map
+
+
+class Box(NamedTuple):
+    """Centre (3,), axes (3, 3), one a row, half extents (3,)."""
+
+    centre: Floats
+    axes: Floats
+    half: Floats
+
+
+def turned(rng: np.random.Generator) -> Floats:
+    """Three random axes, orthonormal up to rounding."""
+    return np.linalg.qr(rng.normal(size=(3, 3)))[0]
+
+
+def turn(roll: float, pitch: float, yaw: float) -> Floats:
+    """Axes, one a row, of a box turned about x, then y, then z."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return np.asarray((about_z @ about_y @ about_x).T)
+
+
+def stepped(value: float, steps: Floats, unit: float = 0.0) -> Floats:
+    """A number moved by whole steps of `unit`, of one ulp if not given."""
+    return value + steps * (unit or np.spacing(abs(value)))
+
+
+def grids() -> tuple[Floats, Floats]:
+    """Steps across and up of every place of a map, flat."""
+    steps = np.arange(-REACH, REACH + 1.0)
+    across, up = np.meshgrid(steps, steps)
+    return across.ravel(), up.ravel()
+
+
+def answers(a: list[Floats], b: list[Floats]) -> tuple[Booleans, Booleans]:
+    """The plain and the exact answer over a map. What is the same everywhere may have one row."""
+    n = (2 * REACH + 1) ** 2
+    pairs = [np.ascontiguousarray(np.broadcast_to(part, (n, *part.shape[1:]))) for part in (*a, *b)]
+    side = 2 * REACH + 1
+    return textbook.boxes(*pairs).reshape(side, side), obb.intersects(*pairs).reshape(side, side)
+
+
+def rows(box: Box) -> list[Floats]:
+    return [part[None] for part in box]
+
+
+def brought_to_touch(a: Box, b: Box) -> Box:
+    """b moved along the line between the centres until it just touches a."""
+    way = b.centre - a.centre
+    low, high = 0.0, 4.0
+    while low < (middle := (low + high) / 2) < high:
+        hit = obb.intersects(*rows(a), *rows(b._replace(centre=a.centre + middle * way)))[0]
+        low, high = (middle, high) if hit else (low, middle)
+    return b._replace(centre=a.centre + low * way)
+
+
+def moved(box: Box, across: Floats, up: Floats, first: int, second: int) -> list[Floats]:
+    """The box for every place of a map over two coordinates of its centre."""
+    centre = np.repeat(box.centre[None], len(across), axis=0)
+    centre[:, second] = stepped(box.centre[second], up)
+    centre[:, first] = stepped(box.centre[first], across)
+    return [centre, box.axes[None], box.half[None]]
+
+
+def name_both(space: Any, a: Box, b: Box) -> None:
+    for box, name, colour in ((a, "A", style.FIRST), (b, "B", style.SECOND)):
+        style.draw_name(space, box.centre, name, colour)
+
+
+def near_touch() -> Figure:
+    rng = np.random.default_rng(4)
+    a = Box(np.array([0.1, -0.2, 0.05]), turned(rng), np.array([0.5, 0.35, 0.25]))
+    b = brought_to_touch(a, Box(np.array([0.75, 0.62, 0.55]), turned(rng), np.array([0.3, 0.45, 0.2])))
+    figure = style.sheet(
+        "Boxes that all but touch",
+        "Two boxes, turned at random, brought together until they touch in one point. Then the centre of the second "
+        "is moved by single steps between neighbouring float64 numbers. The plain test adds up rounding errors larger "
+        "than such a step.")
+    space = style.space(figure, style.SHAPES, (-0.6, -0.8, -0.5), (1.2, 1.1, 1.0))
+    style.draw_box(space, *a, style.FIRST)
+    style.draw_box(space, *b, style.SECOND)
+    name_both(space, a, b)
+    across, up = grids()
+    style.draw_maps(figure, *answers(rows(a), moved(b, across, up, 0, 1)), X_STEPS, Y_STEPS)
+    return figure
+
+
+def parallel() -> Figure:
+    a = Box(np.zeros(3), np.eye(3), np.array([0.6, 0.5, 0.4]))
+    quarter = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    b = Box(np.array([1.1, 0.1, 0.05]), quarter, np.array([0.9, 0.5, 0.3]))
+    figure = style.sheet(
+        "Parallel boxes, turned by 90 degrees give or take an ulp",
+        "cos(90 degrees) is 6e-17 in float64, not 0. The cross products of the boxes' edges are such numbers too: no "
+        "directions any more, but rounding errors. On the maps, the second box lies against the first and is tilted "
+        "by steps of 1.1e-16 rad.")
+    space = style.space(figure, style.SHAPES, (-0.7, -0.9, -0.5), (1.7, 1.1, 0.6), zoom=1.2)
+    style.draw_box(space, *a, style.FIRST)
+    style.draw_box(space, *b, style.SECOND)
+    name_both(space, a, b)
+    across, up = grids()
+    tilted = np.repeat(b.axes[None], len(up), axis=0)
+    tilted[:, 0, 0], tilted[:, 1, 1] = up * EPSILON, up * EPSILON
+    maps = answers(rows(a), [moved(b, across, up, 0, 0)[0], tilted, b.half[None]])
+    style.draw_maps(figure, *maps, X_STEPS, "tilt of B, steps of 1.1e-16 rad")
+    return figure
+
+
+def exact_touch() -> Figure:
+    half_a, half_b = np.array([0.1, 0.1, 0.1]), np.array([0.2, 0.2, 0.2])
+    figure = style.sheet(
+        "Exact touches, and gaps of one ulp",
+        "Boxes along the axes that share a piece of a face, of an edge, or one corner. Touching counts as a hit, a "
+        "gap of one ulp does not. The map moves the first box's half width, 0.1 m, and the second's place, 0.3 m: the "
+        "float64 sum 0.1 + 0.2 is rounded.")
+    for i, (away, name) in enumerate((((1, 0, 0), "face"), ((1, 1, 0), "edge"), ((1, 1, 1), "corner"))):
+        place = (-0.005 + 0.125 * i, 0.22, 0.145, 0.45)
+        space = style.space(figure, place, (-0.1, -0.1, -0.1), (0.5, 0.5, 0.5), zoom=1.0)
+        centre = 0.3 * np.array(away) + 0.12 * (1 - np.array(away))
+        style.draw_box(space, centre, np.eye(3), half_b, style.SECOND)
+        style.draw_box(space, np.zeros(3), np.eye(3), half_a, style.FIRST, alpha=0.55)
+        style.draw_name(space, np.zeros(3), "A", style.FIRST, 10)
+        style.draw_name(space, centre, "B", style.SECOND, 10)
+        style.label(figure, 0.065 + 0.125 * i, 0.2, name)
+    across, up = grids()
+    halves = np.repeat(half_a[None], len(across), axis=0)
+    halves[:, 0] = stepped(0.1, across)
+    centres = np.repeat([[0.3, 0.12, 0.12]], len(across), axis=0)
+    centres[:, 0] = stepped(0.3, up)
+    maps = answers([np.zeros((1, 3)), np.eye(3)[None], halves], [centres, np.eye(3)[None], half_b[None]])
+    style.draw_maps(figure, *maps, "half width of A, steps of 1 ulp", X_STEPS)
+    return figure
+
+
+def thin() -> Figure:
+    plate = Box(np.array([0.1, 0.2, 0.1]), turn(0.3, -0.2, 0.4), np.array([0.8, 0.6, 0.0]))
+    rod_at = plate.centre + 0.85 * plate.axes[0] + 0.1 * plate.axes[1]
+    rod = brought_to_touch(plate, Box(rod_at, turn(0.25, 0.35, 0.1), np.array([0.0, 0.0, 0.7])))
+    figure = style.sheet(
+        "Plates, rods and points",
+        "A box may be flat as a plate, thin as a rod, or a point. There is no inside left that would hide a wrong "
+        "sign: the rod meets the edge of the plate or it does not. Boxes a million times larger than what they meet "
+        "are as delicate.")
+    space = style.space(figure, style.SHAPES, (-0.8, -0.8, -0.8), (1.2, 1.2, 0.9), view=(24, -70))
+    style.draw_box(space, *plate, style.FIRST)
+    style.draw_lines(space, [rod.centre + np.array([[-0.7], [0.7]]) * rod.axes[2]], style.SECOND, 3.0)
+    style.draw_name(space, plate.centre, "A", style.FIRST)
+    style.draw_name(space, rod.centre + 0.55 * rod.axes[2] + [0.12, 0, 0], "B", style.SECOND)
+    across, up = grids()
+    style.draw_maps(figure, *answers(rows(plate), moved(rod, across, up, 0, 1)), X_STEPS, Y_STEPS)
+    return figure

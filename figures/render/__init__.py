@@ -1,0 +1,1 @@
+"""Stills and films drawn by the renderer."""
