@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
-from drone_engine.collision.pipeline import axes_of
+from drone_engine.collision.placement import set_all_axes
 from drone_engine.geometry.mesh import bounds
 from drone_engine.scene import schema as scenes
 
@@ -138,7 +138,7 @@ def furthest_x(message: Odometry, low: np.ndarray, high: np.ndarray) -> float:
     """The greatest x in the world of a box with the corners low and high in the frame of the message's body, m."""
     position, turn = message.pose.pose.position, message.pose.pose.orientation
     axes = np.empty((1, 3, 3))
-    axes_of(np.array([[turn.x, turn.y, turn.z, turn.w]]), axes)  # type: ignore[no-untyped-call]
+    set_all_axes(np.array([[turn.x, turn.y, turn.z, turn.w]]), axes)  # type: ignore[no-untyped-call]
     x = axes[0, :, 0]
     return float(position.x + x @ (low + high) / 2 + np.abs(x) @ (high - low) / 2)
 

@@ -8,10 +8,10 @@ from drone_engine.arrays import Floats
 from drone_engine.collision import OBB, SPHERE, Shape
 from drone_engine.collision.box import box as obb
 from drone_engine.collision.box import sphere
-from drone_engine.collision.box.contacts import Placed
 from drone_engine.collision.manifold import Manifolds
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.mesh.shape import axes_at
+from drone_engine.collision.placement import PlacedBodies
 
 
 def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:
@@ -27,7 +27,7 @@ def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) ->
         depth[found.number] = np.maximum.reduceat(-found.separation, found.first[:-1]) if len(found.number) else 0.0
         return depth, normal
     poses = np.stack([poses_a, poses_b], axis=1).reshape(-1, 7)
-    placed = Placed(np.tile(np.arange(2), n), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses),
+    placed = PlacedBodies(np.tile(np.arange(2), n), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses),
                     np.zeros((2 * n, 3)))
     one = np.ones(n, np.int64)
     m = _meshes(a, b).find(Manifolds(8), placed, 2 * np.arange(n), 2 * np.arange(n) + 1, np.full(n, np.nan),

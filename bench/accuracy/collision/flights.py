@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.collision.box.contacts import axes_of
 from drone_engine.collision.broad_phase.grid import Grid, bounds
+from drone_engine.collision.placement import set_all_axes
 from drone_engine.scene.schema import Collision, load
 from drone_engine.state import State
 from drone_engine.world import World
@@ -117,7 +117,7 @@ class Flight:
 
     def _record(self) -> None:
         bodies, state = self.world.model.bodies, self.world.state
-        axes_of(state.orientation_w, self._axes)
+        set_all_axes(state.orientation_w, self._axes)
         bounds(state.position_w, self._axes, bodies.half, self._radius, state.velocity_w, 0.0, NEAR, self._low,
                self._high)
         poses = self.world.object_poses()

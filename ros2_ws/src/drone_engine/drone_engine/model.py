@@ -56,13 +56,14 @@ class Floor:
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """How finely bodies meet: a pair's own word, else the finer of the two bodies', else the scene's."""
+class CollisionSettings:
+    """Collision level and contacts of pairs of bodies: the pair's own, else the finer of the two bodies', else the
+    scene's."""
 
-    level: int
+    level: int  # of the scene
     all_contacts: int  # 1, or 0: the deepest point alone
-    own_level: Integers  # (n,) or UNSET
-    own_contacts: Integers  # (n,) 1, 0 or UNSET
+    body_level: Integers  # (n,) of each body, or UNSET
+    body_contacts: Integers  # (n,) 1, 0 or UNSET
     pairs: dict[tuple[int, int], tuple[int, int]]  # bodies a < b: level or DISABLED; 1, 0 or UNSET
 
 
@@ -105,7 +106,7 @@ class Model:
 
     bodies: Bodies
     paths: tuple[Path, ...]  # (n,) of the bodies' models
-    meeting: Meeting
+    collision: CollisionSettings
     floors: tuple[Floor, ...]
     ground: int | None  # the body that is uneven ground
     drones: Drones
@@ -125,7 +126,7 @@ def build(scene: Scene) -> Model:
     return Model(
         bodies=_bodies(scene, body_names, level),
         paths=tuple(scene.model_path(name) for name in body_names),
-        meeting=_meeting(scene, body_names),
+        collision=_collision_settings(scene, body_names),
         floors=tuple(Floor(i, objects[name].pose[2] if level[name] == "floor" else -math.inf)
                      for i, name in enumerate(body_names) if level[name] in FLAT_OR_NOT),
         ground=next((i for i, name in enumerate(body_names) if level[name] == "ground"), None),
@@ -176,7 +177,7 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
     )
 
 
-def _meeting(scene: Scene, names: list[str]) -> Meeting:
+def _collision_settings(scene: Scene, names: list[str]) -> CollisionSettings:
     index = {name: i for i, name in enumerate(names)}
     words = [scene.objects[name].collision for name in names]
     pairs = {}
@@ -185,11 +186,11 @@ def _meeting(scene: Scene, names: list[str]) -> Meeting:
             if first in index and second in index and first != second:
                 a, b = sorted((index[first], index[second]))
                 pairs[a, b] = LEVELS[pair.level], _contacts(pair.contacts)
-    return Meeting(
+    return CollisionSettings(
         level=LEVELS.get(scene.collision.level, OBB),
         all_contacts=_contacts(scene.collision.contacts),
-        own_level=np.array([LEVELS.get(word.level or "", UNSET) for word in words], np.int64),
-        own_contacts=np.array([_contacts(word.contacts) for word in words], np.int64),
+        body_level=np.array([LEVELS.get(word.level or "", UNSET) for word in words], np.int64),
+        body_contacts=np.array([_contacts(word.contacts) for word in words], np.int64),
         pairs=pairs,
     )
 

@@ -17,15 +17,15 @@ import numpy as np
 from drone_engine import effects, flight, model
 from drone_engine.arrays import Floats
 from drone_engine.collision.events import (
-    Contacts,
+    ContactEvents,
+    ContactPoints,
     Event,
-    Events,
-    Meetings,
-    Touching,
+    EventDetector,
+    TouchingPairs,
     all_touches,
-    as_events,
-    contacts,
-    joined,
+    concatenated,
+    contact_points,
+    event_list,
 )
 from drone_engine.collision.pipeline import Detection
 from drone_engine.collision_level import LEVELS, TESTED
@@ -63,7 +63,7 @@ def tick(step):
     step[0] += 1
 
 
-NOTHING = Touching(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+NOTHING = TouchingPairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
 LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
@@ -99,8 +99,8 @@ class World:
         setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
         flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
         self.detection = Detection(m, s, self.dt)
-        self._events = Events(lambda: self.detection.manifolds,
-                              lambda: self.sleep.touching if self.sleep else NOTHING)
+        self._events = EventDetector(lambda: self.detection.manifolds,
+                                     lambda: self.sleep.touching if self.sleep else NOTHING)
 
         self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
         built = list(self.effects.items())
@@ -256,15 +256,15 @@ class World:
     @property
     def events(self) -> list[Event]:
         """What began, went on and ended to touch in the last step."""
-        return as_events(self.meetings)
+        return event_list(self.contact_events)
 
     @property
-    def meetings(self) -> Meetings:
-        """The events as arrays, which costs a tenth."""
+    def contact_events(self) -> ContactEvents:
+        """The events as arrays, at a tenth of the cost."""
         return self._events.current
 
     @property
-    def contacts(self) -> Contacts:
+    def contacts(self) -> ContactPoints:
         """Where bodies touch, those asleep as well."""
         m = self.detection.manifolds
         count, touch = m.count, np.empty((m.count, 5))
@@ -273,9 +273,9 @@ class World:
         if asleep is not None:  # those that fell asleep in this step are in both
             sleeping = self.model.bodies.movable & ~self.state.is_awake
             touch[sleeping[m.pair[:count]].any(axis=1), 3:] = -np.inf
-        now = contacts(m.pair[:count], m.points[:count], m.normal_w[:count], m.anchor_w[:count], m.separation[:count],
-                       touch)
-        return now if asleep is None else joined(now, asleep)
+        now = contact_points(m.pair[:count], m.points[:count], m.normal_w[:count], m.anchor_w[:count],
+                             m.separation[:count], touch)
+        return now if asleep is None else concatenated(now, asleep)
 
     def object_poses(self) -> Floats:
         """Poses (n, 7) of the bodies' objects in the world: x y z qx qy qz qw."""

@@ -1,4 +1,4 @@
-"""Begin, persist and end: how the contacts of a step differ from those of the step before; worked out when asked."""
+"""Contact events: which pairs began, continued and ceased to touch between two steps; computed only on request."""
 
 from collections.abc import Callable
 from enum import IntEnum
@@ -10,13 +10,13 @@ from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.manifold import POINTS, Manifolds, touches
 from drone_engine.kernel import kernel
 
-NEAR = 1e-3  # m; points of a manifold that are told as touching when its deepest does
+DEPTH_RANGE = 1e-3  # m; points of a touching manifold count as touching down to this much above its deepest one
 
 Vector = tuple[float, float, float]
 
 
 class Phase(IntEnum):
-    """As drone_interfaces/CollisionEvent numbers them."""
+    """Phase of a contact, numbered as in drone_interfaces/CollisionEvent."""
 
     BEGIN = 0
     PERSIST = 1
@@ -24,110 +24,118 @@ class Phase(IntEnum):
 
 
 class Event(NamedTuple):
-    """One pair of bodies, by index, a < b. m, N s; the normal points from a to b; world frame."""
+    """A contact event of bodies a < b, by index. Point and depth in m, impulse in N s; world frame."""
 
     phase: Phase
     a: int
     b: int
     level: int
     point: Vector
-    normal: Vector
+    normal: Vector  # unit, from a to b
     depth: float
     impulse: float
 
 
-class Touching(NamedTuple):
-    """k pairs of bodies that overlap or push each other, each once, in order; being near is not touching."""
+class TouchingPairs(NamedTuple):
+    """k pairs of bodies that overlap or exchange an impulse, each once, in ascending order of key."""
 
     key: Integers  # (k,) a << 32 | b
-    level: Integers  # (k,)
-    normal: Floats  # (k, 3)
-    touch: Floats  # (k, 5) deepest point, depth, impulse
+    level: Integers  # (k,) collision level
+    normal: Floats  # (k, 3) unit, from a to b, world
+    touch: Floats  # (k, 5) deepest point in m, depth in m, impulse of the step in N s
 
 
-class Contacts(NamedTuple):
-    """k points at which bodies touch, and m manifolds that they are of."""
+class ContactPoints(NamedTuple):
+    """k points at which bodies touch, of m manifolds."""
 
     pair: Integers  # (m, 2) a < b
-    normal: Floats  # (m, 3) from a to b, world
-    manifold: Integers  # (k,)
-    arm: Floats  # (k, 2, 3) m from the centres of a and b, world, as the step started
+    normal: Floats  # (m, 3) unit, from a to b, world
+    manifold: Integers  # (k,) index of each point's manifold
+    arm: Floats  # (k, 2, 3) m from the centers of a and b, world, at the start of the step
 
 
-class Meetings(NamedTuple):
-    """Events as arrays: those of the pairs that touch, then those of the pairs that no longer do."""
+class ContactEvents(NamedTuple):
+    """k events as arrays: first the pairs that touch, then those that ceased to."""
 
-    phase: Integers  # (k,)
-    of: Touching  # (k,) as they touch, or did last
+    phase: Integers  # (k,) as `Phase`
+    pairs: TouchingPairs  # (k,) as they touch, or did last
 
 
 @kernel
 def all_touches(count, points, point, separation, total, out):
-    """Writes how each manifold touches, (m, 5)."""
+    """Writes a summary of each of the first `count` manifolds to out (m, 5): deepest point, depth, impulse."""
     for i in range(count):
         touches(i, points, point, separation, total, out[i])
 
 
-def touching(pair: Integers, level: Integers, normal: Floats, touch: Floats) -> Touching:
-    """Those manifolds that touch, one for each pair: the deepest, with the impulses of all."""
+def touching_pairs(pair: Integers, level: Integers, normal: Floats, touch: Floats) -> TouchingPairs:
+    """The pairs that touch, each once: its deepest manifold, with the impulses of all its manifolds added up.
+
+    Of m manifolds: pair (m, 2), level (m,), normal (m, 3), touch (m, 5) as `all_touches` writes it.
+    """
     rows = np.flatnonzero((touch[:, 3] >= 0.0) | (touch[:, 4] > 0.0))
     key = pair[rows, 0] << 32 | pair[rows, 1]
-    order = np.lexsort((-touch[rows, 3], key))  # of a pair the deepest first
+    order = np.lexsort((-touch[rows, 3], key))  # the deepest manifold of each pair first
     rows, key = rows[order], key[order]
     first = np.flatnonzero(np.diff(key, prepend=-1))
     chosen = touch[rows[first]]
     if len(first):
         chosen[:, 4] = np.add.reduceat(touch[rows, 4], first)
     chosen[:, 3] = np.maximum(chosen[:, 3], 0.0)
-    return Touching(key[first], level[rows[first]], normal[rows[first]], chosen)
+    return TouchingPairs(key[first], level[rows[first]], normal[rows[first]], chosen)
 
 
-def contacts(pair: Integers, points: Integers, normal: Floats, anchor: Floats, separation: Floats,
-             touch: Floats) -> Contacts:
-    """The points of the manifolds that touch: the deepest one, and what is as deep within NEAR."""
+def contact_points(pair: Integers, points: Integers, normal: Floats, anchor: Floats, separation: Floats,
+                   touch: Floats) -> ContactPoints:
+    """The points of touching manifolds that touch: the deepest one of each, and those within DEPTH_RANGE of it.
+
+    Of m manifolds: pair (m, 2), points (m,) counts, normal (m, 3), anchor (m, POINTS, 2, 3), separation (m, POINTS),
+    touch (m, 5) as `all_touches` writes it.
+    """
     rows = np.flatnonzero((touch[:, 3] >= 0.0) | (touch[:, 4] > 0.0))
     deepest = np.maximum(-touch[rows, 3], 0.0)
-    held = np.arange(POINTS) < points[rows, None]
-    held[held] = (separation[rows] <= deepest[:, None] + NEAR)[held]
-    return Contacts(pair[rows], normal[rows], np.nonzero(held)[0], anchor[rows][held])
+    included = np.arange(POINTS) < points[rows, None]
+    included[included] = (separation[rows] <= deepest[:, None] + DEPTH_RANGE)[included]
+    return ContactPoints(pair[rows], normal[rows], np.nonzero(included)[0], anchor[rows][included])
 
 
-def joined(one: Contacts, other: Contacts) -> Contacts:
-    """Those of both."""
+def concatenated(one: ContactPoints, other: ContactPoints) -> ContactPoints:
+    """The points and manifolds of both."""
     manifold = np.concatenate([one.manifold, other.manifold + len(one.pair)])
-    return Contacts(np.concatenate([one.pair, other.pair]), np.concatenate([one.normal, other.normal]), manifold,
-                    np.concatenate([one.arm, other.arm]))
+    return ContactPoints(np.concatenate([one.pair, other.pair]), np.concatenate([one.normal, other.normal]), manifold,
+                         np.concatenate([one.arm, other.arm]))
 
 
-class Events:
-    """What began, went on and ended to touch in the last step."""
+class EventDetector:
+    """Compares the contacts of the last step with those of the step before."""
 
-    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], Touching]) -> None:
-        """asleep: pairs that touch in their sleep, which goes on."""
+    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], TouchingPairs]) -> None:
+        """asleep: touching pairs of sleeping bodies; they count as persisting."""
         self._manifolds, self._asleep = manifolds, asleep
 
     @property
-    def current(self) -> Meetings:
+    def current(self) -> ContactEvents:
+        """The events of the last step."""
         m = self._manifolds()
         count, touch = m.count, np.empty((m.count, 5))
         all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
-        now = touching(m.pair[:count], m.level[:count], m.normal_w[:count], touch)
+        now = touching_pairs(m.pair[:count], m.level[:count], m.normal_w[:count], touch)
         last, old = m.last, m.last.end[-1]
-        before = touching(last.pair[:old], last.level[:old], last.normal_w[:old], last.touch[:old])
+        before = touching_pairs(last.pair[:old], last.level[:old], last.normal_w[:old], last.touch[:old])
         asleep = self._asleep()
-        sleeping = ~np.isin(asleep.key, now.key)  # those that fell asleep in this step are in both
-        now = Touching(*(np.concatenate([one, other[sleeping]]) for one, other in zip(now, asleep, strict=True)))
-        went_on = np.isin(now.key, np.concatenate([before.key, asleep.key]))
+        sleeping = ~np.isin(asleep.key, now.key)  # pairs that fell asleep in this step are in both
+        now = TouchingPairs(*(np.concatenate([one, other[sleeping]]) for one, other in zip(now, asleep, strict=True)))
+        persists = np.isin(now.key, np.concatenate([before.key, asleep.key]))
         ended = ~np.isin(before.key, now.key)
-        phase = np.concatenate([np.where(went_on, Phase.PERSIST, Phase.BEGIN), np.full(ended.sum(), Phase.END)])
-        return Meetings(phase, Touching(*(np.concatenate([one, other[ended]])
-                                          for one, other in zip(now, before, strict=True))))
+        phase = np.concatenate([np.where(persists, Phase.PERSIST, Phase.BEGIN), np.full(ended.sum(), Phase.END)])
+        return ContactEvents(phase, TouchingPairs(*(np.concatenate([one, other[ended]])
+                                                    for one, other in zip(now, before, strict=True))))
 
 
-def as_events(meetings: Meetings) -> list[Event]:
-    """One tuple for each."""
-    phase, of = [Phase(number) for number in range(3)], meetings.of
+def event_list(events: ContactEvents) -> list[Event]:
+    """The events as one tuple each."""
+    phase, pairs = [Phase(number) for number in range(3)], events.pairs
     return [Event(phase[p], key >> 32, key & 0xFFFFFFFF, level, (x, y, z), tuple(normal), depth, impulse)
             for p, key, level, normal, (x, y, z, depth, impulse) in zip(
-                meetings.phase.tolist(), of.key.tolist(), of.level.tolist(), of.normal.tolist(), of.touch.tolist(),
-                strict=True)]
+                events.phase.tolist(), pairs.key.tolist(), pairs.level.tolist(), pairs.normal.tolist(),
+                pairs.touch.tolist(), strict=True)]

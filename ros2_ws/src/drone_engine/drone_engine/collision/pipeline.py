@@ -7,15 +7,17 @@ import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import contacts as narrow
-from drone_engine.collision.box.contacts import MARGIN, Placed, axes_of, find_boxes, find_others, margins, turn_axes
+from drone_engine.collision.box.contacts import find_boxes, find_others
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.broad_phase.grid import bound, bounds, crowd, find_pairs
 from drone_engine.collision.continuous.impacts import Impacts
 from drone_engine.collision.continuous.sweep import fast
 from drone_engine.collision.manifold import BOXES, GROUND, MESHES, OTHERS, SWEPT, Manifolds, anchor, carry_over, keep
+from drone_engine.collision.margin import MARGIN, contact_margins
 from drone_engine.collision.mesh import narrow as meshes
 from drone_engine.collision.mesh.octree import Octree
-from drone_engine.collision.policy import Levels, lookup
+from drone_engine.collision.placement import PlacedBodies, set_all_axes, set_axes
+from drone_engine.collision.policy import CollisionPolicy, look_up
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.collision.terrain.stage import MORE_CONTACTS, MOST, Footing, stand
 from drone_engine.collision_level import OCTREE, SPHERE
@@ -46,7 +48,7 @@ def approach(awake, binned, solid, position, orientation, velocity, spin, half, 
     hurry, moving = 0, 0
     for k in range(1, 1 + awake[0]):
         i = awake[k]
-        turn_axes(i, orientation, axes)
+        set_axes(i, orientation, axes)
         if solid[i]:
             quick[i] = fast(i, velocity, spin, half, dt)
             hurry += quick[i]
@@ -65,8 +67,8 @@ def approach(awake, binned, solid, position, orientation, velocity, spin, half, 
     for k in range(found):
         a, b = ordered[0, k], ordered[1, k]
         floor_height[k] = floor_of[a] if not np.isnan(floor_of[a]) else floor_of[b]
-    lookup(found, ordered[0], ordered[1], default, own, keys, words, level, everything)
-    ahead = margins(found, ordered[0], ordered[1], floor_height, velocity, spin, ball, dt, quick, margin, swept)
+    look_up(found, ordered[0], ordered[1], default, own, keys, words, level, everything)
+    ahead = contact_margins(found, ordered[0], ordered[1], floor_height, velocity, spin, ball, dt, quick, margin, swept)
     for k in range(found):
         count[FINE] += level[k] >= OCTREE
     count[PAIRS], count[AHEAD] = found, ahead if hurry else 0
@@ -108,7 +110,7 @@ class Detection:
         bodies = model.bodies
         n = bodies.count
         self._model, self._state, self._dt = model, state, dt
-        self.levels = Levels(model.meeting)
+        self.levels = CollisionPolicy(model.collision)
         self.axes: Floats = np.empty((n, 3, 3))
         self.manifolds = Manifolds(64)
         self._grid = grid.Grid(bodies.half[bodies.solid])
@@ -125,7 +127,7 @@ class Detection:
         self._top: Floats = self._floor_of.copy()  # of floors, m
         if self._footing:
             self._top[self._footing.body] = self._footing.terrain.frame[6]
-        self._now = Placed(np.arange(n), state.position_w, state.orientation_w, self.axes, half)
+        self._now = PlacedBodies(np.arange(n), state.position_w, state.orientation_w, self.axes, half)
         self._impacts = Impacts(bodies.half, dt)
         self._quick: Booleans = np.zeros(n, np.bool_)
         self.sleeping: Booleans = np.zeros(n, np.bool_)
@@ -220,7 +222,7 @@ class Detection:
     def _settle(self) -> None:
         """Puts all that is not awake into the grid."""
         bodies, s = self._model.bodies, self._state
-        axes_of(s.orientation_w, self.axes)
+        set_all_axes(s.orientation_w, self.axes)
         bounds(s.position_w, self.axes, bodies.half, self._radius, s.velocity_w, self._dt, MARGIN, self._low,
                self._high)
         self._quick[:] = False
@@ -232,7 +234,7 @@ class Detection:
 
     def prepare(self) -> None:
         """Gets ready for the levels as they are now. Raises mesh.MeshError for models that cannot be read."""
-        bodies = self.levels.meshes()
+        bodies = self.levels.mesh_bodies()
         if not np.array_equal(self._with_meshes, bodies):
             self._meshes = meshes.read(self._model, bodies) if len(bodies) else None
             self._with_meshes = bodies
@@ -313,7 +315,7 @@ class Detection:
         self._append_fine(placed, there)
         self._impacts.bring_back(self.manifolds, first, placed, self._state)
 
-    def _append_rough(self, placed: Placed, pairs: Pairs) -> None:
+    def _append_rough(self, placed: PlacedBodies, pairs: Pairs) -> None:
         """Appends the contacts of placed spheres, boxes and floors."""
         m = self.manifolds = self.manifolds.with_room(len(pairs[0]))
         arrays = m.pair, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.level
@@ -323,7 +325,7 @@ class Detection:
         for find, scratch in finders:
             m.count = find(len(a), placed.position, placed.axes, placed.half, a, b, *rest, *scratch, *arrays, m.count)
 
-    def _append_fine(self, placed: Placed, pairs: Pairs) -> None:
+    def _append_fine(self, placed: PlacedBodies, pairs: Pairs) -> None:
         """Appends the contacts of placed meshes."""
         if self._meshes:
             fine = _only(pairs[3] >= OCTREE, pairs)

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import box as obb
 from drone_engine.collision.box import sphere
-from drone_engine.collision.box.contacts import Placed
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import traversal
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.mesh.shape import Shape, axes_at
+from drone_engine.collision.placement import PlacedBodies
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TESTED, TRIANGLE
 
 
@@ -82,7 +82,7 @@ def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: i
     if level not in (OCTREE, TRIANGLE):
         raise _no_level(level)
     poses = np.concatenate(_poses(pose_a, pose_b))
-    bodies = Placed(np.arange(2), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses), np.zeros((2, 3)))
+    bodies = PlacedBodies(np.arange(2), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses), np.zeros((2, 3)))
     one = np.ones(1, np.int64)
     m = Meshes([a, b], np.arange(2)).find(Manifolds(8), bodies, 0 * one, one, np.full(1, np.nan), level * one, one,
                                           np.full(1, margin))

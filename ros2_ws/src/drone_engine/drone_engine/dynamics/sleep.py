@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drone_engine.arrays import Floats, Integers
-from drone_engine.collision.events import Contacts, Touching, all_touches, contacts, touching
+from drone_engine.collision.events import ContactPoints, TouchingPairs, all_touches, contact_points, touching_pairs
 from drone_engine.collision.manifold import PARTS, SWEPT
 from drone_engine.collision.pipeline import Detection
 from drone_engine.effects import Setting
@@ -119,18 +119,18 @@ class Sleep:
                 self._borne)
 
     @property
-    def touching(self) -> Touching:
+    def touching(self) -> TouchingPairs:
         """Pairs that touch in their sleep."""
         if not len(self._part):
-            return touching(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
-        return touching(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
+            return touching_pairs(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+        return touching_pairs(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
 
     @property
-    def contacts(self) -> Contacts | None:
+    def contacts(self) -> ContactPoints | None:
         """Where they touch; None if nobody sleeps."""
         if not len(self._part):
             return None
-        return contacts(*(self._kept[name] for name in ("pair", "points", "normal_w", *SHOWN, "touch")))
+        return contact_points(*(self._kept[name] for name in ("pair", "points", "normal_w", *SHOWN, "touch")))
 
     def wake(self, bodies: Integers) -> None:
         """Wakes these bodies and their islands."""

@@ -65,7 +65,7 @@ def _collision(world: World) -> Iterator[Feature]:
     ground = world.model.ground
     yield Feature("collision", "ground", ground is not None,
                   "no object is uneven ground" if ground is None else f"the surface of {bodies.names[ground]}")
-    read = [bodies.names[i] for i in levels.meshes()]
+    read = [bodies.names[i] for i in levels.mesh_bodies()]
     yield Feature("collision", "meshes", bool(read),
                   few(read) or "no mesh is read, as no pair meets at octree or triangle")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drone_engine.collision.policy import lookup
+from drone_engine.collision.policy import look_up
 from drone_engine.geometry.mesh import MeshError
 from drone_engine.scene.schema import SceneError, parse
 from drone_engine.world import World
@@ -78,9 +78,9 @@ d_0: {model: crate, mass: 1, pose: [15, 0, 0]}
 d_1: {model: crate, mass: 1, pose: [19, 0, 0]}
 """
     w = world(things, said("obb", ", pairs: [{between: [a, c], level: octree}, {between: [d, c], level: none}]"))
-    levels, everything = np.empty((2, 6), np.int64)
-    lookup(6, np.array([0, 0, 1, 2, 2, 0]), np.array([1, 2, 2, 3, 4, 3]), *w.detection.levels.tables(), levels,
-           everything)
+    levels, all_contacts = np.empty((2, 6), np.int64)
+    look_up(6, np.array([0, 0, 1, 2, 2, 0]), np.array([1, 2, 2, 3, 4, 3]), *w.detection.levels.tables(), levels,
+            all_contacts)
     assert levels.tolist() == [3, 2, 3, -1, -1, 0]
 
 

@@ -6,7 +6,7 @@ from enum import Enum
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.collision.events import Meetings
+from drone_engine.collision.events import ContactEvents
 from drone_engine.math.rotation import compose, inverse, rotate_all
 from drone_engine.world import World
 from drone_sim.wire import layouts
@@ -45,7 +45,7 @@ class Telemetry:
         self._poses = {f"{name}/pose": layouts.pose_stamped("world") for name in movable}
         self._odometry = {f"{name}/odom": layouts.odometry("world", name) for name in drones}
         self._collisions = layouts.CollisionEvents(bodies.names)
-        self._collision_events(world.meetings, 0)  # compiles now what the first to listen would wait for
+        self._collision_events(world.contact_events, 0)  # compiles now what the first to listen would wait for
         self._static = layouts.transforms(fixed.parents, fixed.names)
         if fixed.names:
             self._static.write("pose", fixed.pose_p)
@@ -82,14 +82,14 @@ class Telemetry:
         for (topic, message), row, twist in zip(self._odometry.items(), self._drone_rows, self._twists(), strict=True):
             if topic in heard:
                 yield topic, self._filled(message, now, pose=poses[row], twist=twist)
-        if "collisions" in heard and len((meetings := world.meetings).phase):
-            yield "collisions", self._collision_events(meetings, now)
+        if "collisions" in heard and len((events := world.contact_events).phase):
+            yield "collisions", self._collision_events(events, now)
 
-    def _collision_events(self, meetings: Meetings, time_ns: int) -> bytes:
-        of = meetings.of
-        pairs = np.stack([of.key >> 32, of.key & 0xFFFFFFFF], axis=1)
-        numbers = np.concatenate([of.touch[:, :3], of.normal, of.touch[:, 3:]], axis=1)
-        return self._collisions.message(time_ns, int(self._world.state.step[0]), meetings.phase, pairs, of.level,
+    def _collision_events(self, events: ContactEvents, time_ns: int) -> bytes:
+        touching = events.pairs
+        pairs = np.stack([touching.key >> 32, touching.key & 0xFFFFFFFF], axis=1)
+        numbers = np.concatenate([touching.touch[:, :3], touching.normal, touching.touch[:, 3:]], axis=1)
+        return self._collisions.message(time_ns, int(self._world.state.step[0]), events.phase, pairs, touching.level,
                                         numbers)
 
     @property

@@ -1,7 +1,5 @@
 """Narrow phase of a step for what is not a mesh: boxes, spheres and floors, pair by pair."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from drone_engine.arrays import Floats, Integers
@@ -13,61 +11,11 @@ from drone_engine.collision.box.sat import BLOCK, TABLE, WIDEST, rank
 from drone_engine.collision.box.sat import MARGIN as MARGINS
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel
-from drone_engine.math.rotation import matrix
-
-MARGIN = 0.01  # m; pairs this close are contacts already, so that resting ones do not come and go
-
-
-class Placed(NamedTuple):
-    """Bodies where they are; SI units, frame of the world."""
-
-    body: Integers  # (n,) which of the scene's
-    position: Floats  # (n, 3) of the boxes' centres
-    orientation: Floats  # (n, 4) x y z w
-    axes: Floats  # (n, 3, 3) of the boxes, one a row
-    half: Floats  # (n, 3) of the boxes; inf: a floor
 
 
 def scratch() -> tuple[Floats | Integers, ...]:
     """What `find_boxes` works in."""
     return (np.zeros(TABLE), np.empty(CUT), *np.empty((3, BLOCK), np.int64))
-
-
-@kernel
-def turn_axes(i, orientation, axes):
-    """Writes the axes of box i in the world, (n, 3, 3), one a row."""
-    m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-    for k in range(3):
-        axes[i, k, 0], axes[i, k, 1], axes[i, k, 2] = m[k], m[3 + k], m[6 + k]
-
-
-@kernel
-def axes_of(orientation, axes):
-    """Writes the axes of all boxes."""
-    for i in range(orientation.shape[0]):
-        turn_axes(i, orientation, axes)
-
-
-@kernel
-def margins(pairs, pair_a, pair_b, floor_height, velocity, spin, ball, dt, quick, margin, swept):
-    """Writes for the first `pairs` how far apart the bodies of each are contacts: MARGIN and the way that they may
-    approach in a step, with floors also by turning; without that way where one is quick and neither a floor: these are
-    marked as swept. Returns how many are."""
-    count = 0
-    for k in range(pairs):
-        a, b = pair_a[k], pair_b[k]
-        margin[k] = MARGIN
-        swept[k] = (quick[a] or quick[b]) and np.isnan(floor_height[k])
-        count += swept[k]
-        if not swept[k]:
-            square, turn_a, turn_b = 0.0, 0.0, 0.0
-            for c in range(3):
-                square += (velocity[b, c] - velocity[a, c]) ** 2
-                turn_a, turn_b = turn_a + spin[a, c] ** 2, turn_b + spin[b, c] ** 2
-            margin[k] += dt * np.sqrt(square)
-            if not np.isnan(floor_height[k]):
-                margin[k] += dt * (np.sqrt(turn_a) * ball[a] + np.sqrt(turn_b) * ball[b])
-    return count
 
 
 @kernel

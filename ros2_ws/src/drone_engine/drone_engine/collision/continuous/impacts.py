@@ -3,12 +3,12 @@
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box.contacts import Placed, axes_of
 from drone_engine.collision.continuous import sweep
 from drone_engine.collision.continuous.advancement import NONE
 from drone_engine.collision.manifold import Manifolds
 from drone_engine.collision.mesh import octree
 from drone_engine.collision.mesh.narrow import Meshes
+from drone_engine.collision.placement import PlacedBodies, set_all_axes
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import rotate, turned
 from drone_engine.state import State
@@ -82,7 +82,7 @@ class Impacts:
             turn_between(orientation, orientation)
 
     def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
-              meshes: Meshes | None) -> tuple[Placed, Integers]:
+              meshes: Meshes | None) -> tuple[PlacedBodies, Integers]:
         """Of the pairs (k,) those that meet, (m,), and their bodies where they do: rows 0 and 1 of the first pair, 2
         and 3 of the second, and so on."""
         time, outcome = self._times(pair_a, pair_b, level, state.position_w, state.orientation_w, state.velocity_w,
@@ -93,8 +93,8 @@ class Impacts:
         advance(body, np.repeat(time[meeting] * self._dt, 2), state.position_w, state.orientation_w, state.velocity_w,
                 state.angular_velocity_w, position, orientation)
         axes = np.empty((len(body), 3, 3))
-        axes_of(orientation, axes)
-        return Placed(body, position, orientation, axes, self._half[body]), meeting
+        set_all_axes(orientation, axes)
+        return PlacedBodies(body, position, orientation, axes, self._half[body]), meeting
 
     def keep(self, state: State) -> None:
         """Notes where all bodies are."""
@@ -139,7 +139,7 @@ class Impacts:
                           corners, self._dt, time, outcome, *self._room)
         return time, outcome
 
-    def bring_back(self, m: Manifolds, first: int, placed: Placed, state: State) -> None:
+    def bring_back(self, m: Manifolds, first: int, placed: PlacedBodies, state: State) -> None:
         """Turns the contacts of the placed bodies, from number `first` on, into contacts ahead of where they are."""
         bring_back(first, m.count, m.pair, m.points, m.normal_w, m.point_w, m.anchor_w, m.separation,
                    placed.body, placed.position, placed.orientation, state.position_w, state.orientation_w)

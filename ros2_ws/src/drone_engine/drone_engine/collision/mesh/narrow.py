@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import box as obb
-from drone_engine.collision.box.contacts import Placed
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import octree, traversal
 from drone_engine.collision.mesh.contacts import DEEP, INSIDE, floor_contacts, leaf_contacts, triangle_contacts
 from drone_engine.collision.mesh.reduction import MOST, reduce
 from drone_engine.collision.mesh.shape import Shape
+from drone_engine.collision.placement import PlacedBodies
 from drone_engine.collision_level import TRIANGLE
 from drone_engine.geometry import mesh
 from drone_engine.kernel import kernel
@@ -142,7 +142,7 @@ class Meshes:
         """What is needed to place a body's corners: the trees' links, corners, which are owned, and the roots."""
         return self.tree.link, self.tree.corners, self._owned, self.roots
 
-    def find(self, manifolds: Manifolds, placed: Placed, pair_a: Integers, pair_b: Integers, floor_height: Floats,
+    def find(self, manifolds: Manifolds, placed: PlacedBodies, pair_a: Integers, pair_b: Integers, floor_height: Floats,
              level: Integers, everything: Integers, margin: Floats) -> Manifolds:
         """Appends the contacts of the pairs; returns the manifolds, or a larger copy of them."""
         m = manifolds.with_room(MOST * len(pair_a))

@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Floats, Integers
-from drone_engine.collision.box.contacts import axes_of
 from drone_engine.collision.mesh import octree, traversal
 from drone_engine.collision.mesh import topology as surface
+from drone_engine.collision.placement import set_all_axes
 from drone_engine.geometry import mesh
 
 
 def axes_at(poses: Floats) -> Floats:
     """A body's axes at poses (n, 7): (n, 3, 3), one a row."""
     axes = np.empty((len(poses), 3, 3))
-    axes_of(np.ascontiguousarray(poses[:, 3:]), axes)
+    set_all_axes(np.ascontiguousarray(poses[:, 3:]), axes)
     return axes
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from drone_engine.collision.box import box as obb
 from drone_engine.collision.box import plane as floor
 from drone_engine.collision.box import sat
-from drone_engine.collision.pipeline import axes_of
+from drone_engine.collision.placement import set_all_axes
 from drone_engine.world import World
 
 Contact = tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -21,7 +21,7 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
     """Number of points, normal, points, separations, features; a pose is x y z qx qy qz qw."""
     poses = np.array([pose_a, pose_b], float)
     axes = np.empty((2, 3, 3))
-    axes_of(poses[:, 3:], axes)
+    set_all_axes(poses[:, 3:], axes)
     points, normal, point, separation = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 8, 3)), np.zeros((1, 8))
     feature = np.zeros((1, 8), np.int64)
     boxes = poses[:, :3], axes, np.array([half_a, half_b], float)
@@ -78,7 +78,7 @@ def directions(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray,
                half_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All directions (n, 3) in which b may part from a, and how far apart the boxes are along each, (n,)."""
     axes = np.empty((2, 3, 3))
-    axes_of(np.array([pose_a, pose_b])[:, 3:], axes)
+    set_all_axes(np.array([pose_a, pose_b])[:, 3:], axes)
     edges = np.cross(axes[0][:, None], axes[1][None]).reshape(9, 3)
     edges = edges[np.sum(edges**2, axis=1) >= sat.PARALLEL]
     lines = np.vstack([*axes, edges / np.linalg.norm(edges, axis=1, keepdims=True)])
@@ -123,7 +123,7 @@ def test_parting_along_the_normal_by_the_depth_ends_the_contact(
 
 def test_a_box_on_the_floor_stands_on_its_lowest_corners() -> None:
     axes = np.empty((1, 3, 3))
-    axes_of(pose(0, 0, 0)[None, 3:], axes)
+    set_all_axes(pose(0, 0, 0)[None, 3:], axes)
     point, separation, feature = np.zeros((8, 3)), np.zeros(8), np.zeros(8, np.int64)
     count = floor.contact(np.array([[1.0, 2.0, 0.49]]), axes, CUBE[None], 0, 0.0, 0.001, point, separation, feature)
     assert count == 4
