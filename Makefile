@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV   ?= .venv
 ARGS   ?=
 
-PINS       := $(filter-out requirements/bench.txt,$(wildcard requirements/*.txt))
+PINS       := $(filter-out requirements/bench.txt requirements/docs.txt,$(wildcard requirements/*.txt))
+LIBRARIES  := $(patsubst %/pyproject.toml,%,$(wildcard ros2_ws/src/*/pyproject.toml))
 INTERFACES := ros2_ws/src/drone_interfaces \
               ros2_ws/underlay/tf2_msgs ros2_ws/underlay/simulation_interfaces
 SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py' -not -name '*.pyc')
@@ -13,7 +14,7 @@ RUN        := $(VENV)/bin/python
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
 
 .DEFAULT_GOAL := help
-.PHONY: help fly build test check bench hard-cases assets figures accuracy lock clean
+.PHONY: help fly build test check wheel docs bench hard-cases assets figures accuracy lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -32,6 +33,20 @@ assets: build  ## rebuild models and textures from their scripts, byte for byte
 check: build  ## style, types and architecture only
 	@$(RUN) -m pytest test/test_repository.py
 
+wheel: $(VENV)/pins  ## wheels and source archives of the libraries, in dist/
+	@rm -rf dist
+	@for library in $(LIBRARIES); do \
+	  rm -rf $$library/build $$library/*.egg-info; \
+	  $(RUN) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist $$library \
+	  && (cd $$library && $(abspath $(RUN)) -c 'from setuptools import build_meta; build_meta.build_sdist("$(CURDIR)/dist")' \
+	      > /dev/null) || exit 1; \
+	  rm -rf $$library/build $$library/*.egg-info; \
+	done
+	@ls dist
+
+docs: $(VENV)/docs  ## the documentation site, in site/; open site/index.html
+	@PATH="$(abspath $(VENV))/bin:$$PATH" NO_MKDOCS_2_WARNING=1 $(VENV)/bin/mkdocs build --quiet --strict
+
 bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside others; make bench ARGS="--quick"
 	@$(RUN) -m bench.collision $(ARGS)
 	@$(RUN) -m bench.dynamics $(ARGS)
@@ -41,7 +56,7 @@ bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside
 hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
 	@$(RUN) -m bench.hard_cases $(ARGS); reached=$$?; $(RUN) -m figures.hard_cases.motion; exit $$reached
 
-figures: build  ## draw the pictures and films of the documentation anew
+figures: build  ## redraw the pictures and films of the documentation
 	@$(RUN) -m figures.render.stills
 	@$(RUN) -m figures.render.island_film
 	@$(RUN) -m figures.render.levels_film
@@ -56,11 +71,11 @@ accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plo
 	@$(RUN) -m bench.accuracy.motion
 	@$(RUN) -m figures.accuracy.motion
 
-lock: $(VENV)/peers  ## write requirements/lock.txt anew from this environment
+lock: $(VENV)/peers $(VENV)/docs  ## rewrite requirements/lock.txt from this environment
 	@$(RUN) requirements/lock.py
 
 clean:  ## remove the environment and everything that was built
-	rm -rf $(VENV) ros2_ws/build ros2_ws/install ros2_ws/log
+	rm -rf $(VENV) ros2_ws/build ros2_ws/install ros2_ws/log dist site
 
 $(VENV)/pins: $(PINS) requirements/system.sh
 	@sh requirements/system.sh $(PYTHON)
@@ -74,6 +89,12 @@ $(VENV)/peers: $(VENV)/built requirements/bench.txt
 	@echo "installing what the benchmarks compare with ..."
 	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
 	    --requirement requirements/bench.txt
+	@touch $@
+
+$(VENV)/docs: $(VENV)/pins requirements/docs.txt
+	@echo "installing what builds the documentation ..."
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
+	    --requirement requirements/docs.txt
 	@touch $@
 
 $(VENV)/built: $(VENV)/pins $(SOURCES) ros2_ws/build.sh

@@ -5,6 +5,7 @@ from setuptools import setup
 package = "drone_engine"
 
 setup(
+    license="Apache-2.0",
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
