@@ -1,4 +1,4 @@
-"""A node by itself: it ends cleanly when asked to, and says in one line what cannot be."""
+"""A single node: it ends cleanly on a signal, and rejects wrong parameters in one line."""
 
 import signal
 
@@ -19,8 +19,8 @@ def test_a_signal_ends_the_simulation_cleanly(graph: Graph, spawn: Spawn, number
 
 
 @pytest.mark.parametrize(("parameters", "said"), [
-    ({"rtf": 2000.0}, "drone_sim: Invalid parameter value (2000.0)"),
-    ({"rtf": "fast"}, "drone_sim: Trying to set parameter 'rtf' to 'fast' of type 'STRING', expecting type 'DOUBLE'"),
+    ({"rtf": 2000.0}, "drone_sim: parameter rtf: expected a number from 0 to 1000, got 2000.0"),
+    ({"rtf": "fast"}, "drone_sim: parameter rtf: expected a number from 0 to 1000, got 'fast'"),
     ({"scene": "atlantis"}, "drone_sim: no scene 'atlantis'; there are crates, hangar, island, lagoon, ring"),
 ])
 def test_a_parameter_that_cannot_be_is_refused_in_one_line(

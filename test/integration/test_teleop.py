@@ -156,8 +156,8 @@ def test_keys_ask_the_other_nodes_and_their_answers_are_shown(graph: Graph, term
 
     for kind, name, key, shown in (
         (Trigger, "drone_render/save_image", b"p", "saved out/picture.png"),
-        (SetParameters, "drone_sim/set_parameters", b"]", "octrees 4 deep"),
-        (ResetSimulation, "reset_simulation", b"r", "started over"),
+        (SetParameters, "drone_sim/set_parameters", b"]", "octree depth 4"),
+        (ResetSimulation, "reset_simulation", b"r", "simulation reset"),
         (SetSimulationState, "set_simulation_state", b" ", "PAUSED"),
     ):
         graph.node.create_service(kind, name, answer)
@@ -199,4 +199,4 @@ def test_it_ends_well_stops_the_drone_and_restores_the_terminal(
 def test_without_a_terminal_it_says_so(spawn: Spawn) -> None:
     process = spawn("drone_teleop.teleop_node")
     assert process.wait() == 2
-    assert process.output() == "drone_teleop: stdin is not a terminal, so there are no keys to read\n"
+    assert process.output() == "drone_teleop: stdin: expected a terminal to read keys from, got none\n"

@@ -1,4 +1,4 @@
-"""The computer's hands: flies every drone of the scene that has a patrol, and grounds those that are held."""
+"""The AI node: flies every drone of the scene that has a patrol, and lands those that are held."""
 
 import math
 import sys
@@ -7,45 +7,42 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene
 from geometry_msgs.msg import Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
 from drone_engine.scene.schema import Flight, Patrol, SceneError, load
+from drone_sim.node.parameters import Parameters
 from drone_sim.node.process import run
-
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NEWEST = QoSProfile(depth=1)
+from drone_sim.node.qos import LATCHED, NEWEST
 
 
-class Seat:
-    """A pilot in one drone: odometry in, commands out, at the rate of the odometry."""
+class PilotedDrone:
+    """One drone and its pilot: publishes a command for each odometry message."""
 
-    def __init__(self, node: Node, drone: str, patrol: Patrol, flight: Flight, hold_timeout: float) -> None:
-        self.drone = drone
+    def __init__(self, node: Node, name: str, patrol: Patrol, flight: Flight, hold_timeout: float) -> None:
+        self.name = name
         self.pilot = Pilot(
             patrol.waypoints, min(patrol.speed, flight.max_speed), patrol.min_height, min(1.0, flight.max_yaw_rate)
         )
-        self.ignored = 0  # broken odometry messages
+        self.ignored = 0  # odometry messages that are not finite
         self._clock = node.get_clock()
         self._hold_timeout = hold_timeout
         self._held_at = -math.inf  # s; -inf while released
         self._command = node.create_publisher(Twist, flight.cmd_vel, NEWEST)
         self._subscriptions = [
-            node.create_subscription(Bool, f"{drone}/hold", self._on_hold, NEWEST),
-            node.create_subscription(Odometry, f"{drone}/odom", self._on_odometry, NEWEST),
+            node.create_subscription(Bool, f"{name}/hold", self._on_hold, NEWEST),
+            node.create_subscription(Odometry, f"{name}/odom", self._on_odometry, NEWEST),
         ]
 
     def is_held(self) -> bool:
-        """Whether somebody holds the drone down: said within the timeout, in the node's time."""
+        """Whether the last message on <drone>/hold is true and younger than the timeout, in the node's time."""
         return 0.0 <= self._now() - self._held_at < self._hold_timeout
 
-    def leave(self, node: Node) -> None:
-        """Takes the hands off the drone."""
+    def close(self, node: Node) -> None:
+        """Destroys the subscriptions and the publisher."""
         for subscription in self._subscriptions:
             node.destroy_subscription(subscription)
         node.destroy_publisher(self._command)
@@ -67,62 +64,58 @@ class Seat:
 
 
 class AiNode(Node):
-    """Has one pilot for each drone of the running scene that has a patrol."""
+    """Runs one pilot for each drone of the scene that has a patrol. Raises ParameterError for a wrong parameter."""
 
     def __init__(self) -> None:
         super().__init__("drone_ai")
-        descriptor = ParameterDescriptor(
-            description="s without a message on <drone>/hold after which the drone is released",
-            floating_point_range=[FloatingPointRange(from_value=0.05, to_value=10.0)],
-            read_only=True,
-        )
-        self._hold_timeout = float(self.declare_parameter("hold_timeout", 0.5, descriptor).value)
-        self._seats: list[Seat] = []
+        self._hold_timeout = Parameters(self).number(
+            "hold_timeout", 0.5, 0.05, 10.0, "s without a message on <drone>/hold after which the drone is released")
+        self._drones: list[PilotedDrone] = []
         self._hash = ""
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_subscription(Scene, "scene", self._on_scene, LATCHED)
-        self.create_timer(1.0, self._diagnose, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(1.0, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _on_scene(self, message: Scene) -> None:
         if message.hash == self._hash:
             return
         self._hash = message.hash
-        for seat in self._seats:
-            seat.leave(self)
-        self._seats = []
+        for drone in self._drones:
+            drone.close(self)
+        self._drones = []
         try:
             scene = load(message.uri)
         except SceneError as error:
             self.get_logger().error(str(error))
             return
-        self._seats = [
-            Seat(self, name, thing.patrol, thing.flight, self._hold_timeout)
-            for name, thing in scene.objects.items()
-            if thing.patrol and thing.flight
+        self._drones = [
+            PilotedDrone(self, name, item.patrol, item.flight, self._hold_timeout)
+            for name, item in scene.objects.items()
+            if item.patrol and item.flight
         ]
-        names = ", ".join(seat.drone for seat in self._seats)
+        names = ", ".join(drone.name for drone in self._drones)
         text = f"{scene.name}: flying {names}" if names else f"{scene.name}: no object has a patrol"
         self.get_logger().info(text)
 
-    def _diagnose(self) -> None:
-        diagnostics = DiagnosticArray(status=[_status(seat) for seat in self._seats])
+    def _publish_diagnostics(self) -> None:
+        diagnostics = DiagnosticArray(status=[_status(drone) for drone in self._drones])
         diagnostics.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostics)
 
 
-def _status(seat: Seat) -> DiagnosticStatus:
-    pilot = seat.pilot
-    values = {"waypoint": pilot.waypoint, "held": seat.is_held(), "broken odometry": seat.ignored}
+def _status(drone: PilotedDrone) -> DiagnosticStatus:
+    pilot = drone.pilot
+    values = {"waypoint": pilot.waypoint, "held": drone.is_held(), "broken odometry": drone.ignored}
     return DiagnosticStatus(
-        level=DiagnosticStatus.WARN if seat.ignored else DiagnosticStatus.OK,
-        name=f"drone_ai: {seat.drone}",
+        level=DiagnosticStatus.WARN if drone.ignored else DiagnosticStatus.OK,
+        name=f"drone_ai: {drone.name}",
         message=pilot.state.value,
         values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
     )
 
 
 def _observation(odometry: Odometry) -> Observation:
-    """What the pilot needs of a message whose velocity is in the frame of the body."""
+    """The pilot's input from an odometry message, whose velocity is in the body frame."""
     stamp, pose, velocity = odometry.header.stamp, odometry.pose.pose, odometry.twist.twist.linear
     return Observation(
         time=stamp.sec + stamp.nanosec * 1e-9,
@@ -147,6 +140,7 @@ def _along_world_z(q: Quaternion, v: Vector3) -> float:
 
 
 def main(args: list[str] | None = None) -> int:
+    """Runs the node until a signal ends it; returns the exit status."""
     return run("drone_ai", lambda _: AiNode(), args)
 
 

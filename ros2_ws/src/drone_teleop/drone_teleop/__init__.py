@@ -1,1 +1,1 @@
-"""A person's hands: keys in the terminal become commands."""
+"""Keyboard teleoperation: keys typed in the terminal become commands."""

@@ -1,6 +1,6 @@
-"""What keys mean: teleop_twist_keyboard's table, a few keys more, and how long a key counts as held.
+"""The meaning of keys: the table of teleop_twist_keyboard, a few more keys, and when a key counts as held.
 
-Knows neither ROS nor a terminal; times are seconds of any clock that only goes forward.
+Independent of ROS and of terminals; times are in s of any monotonic clock.
 """
 
 from enum import Enum
@@ -9,7 +9,7 @@ from math import inf
 Velocity = tuple[float, float, float, float]  # x forward, y left, z up in m/s; yaw rate in rad/s
 
 HELP = """\
-Keys become velocities of the drone. It works best with a US keyboard layout.
+Keys set the velocity of the drone. This works best with a US keyboard layout.
 ---------------------------
 Moving around:
    u    i    o
@@ -31,18 +31,18 @@ q/z : increase/decrease max speeds by 10%
 w/x : increase/decrease only linear speed by 10%
 e/c : increase/decrease only angular speed by 10%
 
-F4 (hold) : the AI drone comes down and stays down
+F4 (hold) : the AI drone lands and stays down
 Tab       : next camera
-F2 or p   : save a picture
-F3 or v   : show or hide what collisions see
-[ or ]    : show its octrees less or more deeply
+F2 or p   : save an image
+F3 or v   : show or hide the debug view of collisions
+[ or ]    : show fewer or more levels of its octrees
 Space     : pause, continue
-r         : start the simulation over
+r         : reset the simulation
 
 CTRL-C to quit
 """
 
-MOVES: dict[str, tuple[int, int, int, int]] = {  # key: directions along x, y, z and about z
+MOVES: dict[str, tuple[int, int, int, int]] = {  # key: signs of the velocity along x, y, z and of the yaw rate
     "i": (1, 0, 0, 0),
     "o": (1, 0, 0, -1),
     "j": (0, 0, 0, 1),
@@ -72,27 +72,27 @@ SPEEDS: dict[str, tuple[float, float]] = {  # key: factors of the linear and of 
     "c": (1.0, 0.9),
 }
 
-SPEED_RANGE = (0.01, 100.0)  # m/s or rad/s; what keys can reach, so that repeats cannot run away
+SPEED_RANGE = (0.01, 100.0)  # m/s or rad/s; limits of the speed keys, whose repeats could otherwise run away
 
-GROUND = "F4"
+HOLD = "F4"  # the AI drone lands while this key is held
 
 
 class Action(Enum):
-    """What a key asks for once, when it is pressed."""
+    """An action that a key triggers once per press."""
 
     CAMERA = "next camera"
-    PICTURE = "save a picture"
-    DEBUG = "show or hide what collisions see"
-    SHALLOWER = "octrees a level less deep"
-    DEEPER = "octrees a level deeper"
+    IMAGE = "save an image"
+    DEBUG = "show or hide the debug view"
+    SHALLOWER = "one octree level less"
+    DEEPER = "one octree level more"
     PAUSE = "pause or continue"
-    RESET = "start over"
+    RESET = "reset"
 
 
 ACTIONS = {
     "Tab": Action.CAMERA,
-    "F2": Action.PICTURE,
-    "p": Action.PICTURE,
+    "F2": Action.IMAGE,
+    "p": Action.IMAGE,
     "F3": Action.DEBUG,
     "v": Action.DEBUG,
     "[": Action.SHALLOWER,
@@ -102,11 +102,11 @@ ACTIONS = {
 }
 
 
-class Held:
-    """Which key is down, judged from its events: a terminal repeats a held key and says nothing when it is let go.
+class HeldKey:
+    """Estimates which key is held: a terminal repeats a held key but does not report its release.
 
-    A press counts for `delay` s, which bridges the wait for the first repeat. Once events follow each other
-    within `timeout` s they are repeats, and the key counts as let go `timeout` s after the last of them.
+    A press counts as held for `delay` s, which bridges the time until the first repeat. Presses of the same key less
+    than `timeout` s apart are repeats; the key counts as released `timeout` s after the last of them.
     """
 
     def __init__(self, delay: float, timeout: float) -> None:
@@ -117,26 +117,27 @@ class Held:
         self._until = -inf
 
     def press(self, key: str, now: float) -> None:
-        """Takes an event of a key, its first or a repeat."""
+        """Records a press or a repeat of a key at `now`, in s."""
         repeats = key == self._key and now - self._last < self._timeout
         self._until = now + (self._timeout if repeats else self._delay)
         self._key, self._last = key, now
 
     def release(self) -> None:
-        """Forgets the key."""
+        """Counts the key as released."""
         self._key = None
 
     def at(self, now: float) -> str | None:
-        """The key that counts as held."""
+        """The key that counts as held at `now`, in s; None if there is none."""
         if now >= self._until:
             self._key = None
         return self._key
 
 
-class Hand:
-    """What a person's hand on the keyboard asks for.
+class Controls:
+    """Turns key presses into velocities, into hold requests for the AI drone, and into actions.
 
-    With `latch` a moving key counts until another key, as in teleop_twist_keyboard.
+    speed, turn: initial linear and angular speed, m/s and rad/s. delay, timeout: of HeldKey, in s. cooldown: see
+    `press`. latch: a moving key counts as held until another key is pressed, as in teleop_twist_keyboard.
     """
 
     def __init__(
@@ -151,52 +152,52 @@ class Hand:
         self.speed = speed
         self.turn = turn
         self._cooldown = cooldown
-        self._move = Held(inf, inf) if latch else Held(delay, timeout)
-        self._ground = Held(delay, timeout)
-        self._moving = self._grounding = False
+        self._move = HeldKey(inf, inf) if latch else HeldKey(delay, timeout)
+        self._hold = HeldKey(delay, timeout)
+        self._was_moving = self._was_holding = False
         self._pressed: dict[str, float] = {}
 
     def press(self, key: str, now: float) -> Action | None:
-        """Takes an event of a key; returns what it asks for once, if it does.
+        """Records a press of a key at `now`, in s, and returns the action that it triggers, if any.
 
-        Such a key needs a rest of `cooldown` s between two events, or its repeats would ask again and again.
+        Presses less than `cooldown` s after the last one trigger nothing: they are repeats of a held key.
         """
         if key in MOVES:
             self._move.press(key, now)
         elif key in SPEEDS:
             linear, angular = SPEEDS[key]
-            self.speed = _within(self.speed * linear, *SPEED_RANGE)
-            self.turn = _within(self.turn * angular, *SPEED_RANGE)
-        elif key == GROUND:
-            self._ground.press(key, now)
+            self.speed = _clamp(self.speed * linear, *SPEED_RANGE)
+            self.turn = _clamp(self.turn * angular, *SPEED_RANGE)
+        elif key == HOLD:
+            self._hold.press(key, now)
         elif key in ACTIONS:
             rested = now - self._pressed.get(key, -inf) >= self._cooldown
             self._pressed[key] = now
             return ACTIONS[key] if rested else None
         else:
             self._move.release()
-            self._moving = True  # a stop is said even to a drone that somebody else moves
+            self._was_moving = True  # the stop is sent even if another node moves the drone
         return None
 
     def velocity(self, now: float) -> Velocity | None:
-        """What to command now: zero once after the key was let go, then None, so that others may command."""
+        """Velocity to command at `now`; zero once after the key is released, then None, so that others may command."""
         key = self._move.at(now)
-        moved, self._moving = self._moving, key is not None
+        moved, self._was_moving = self._was_moving, key is not None
         if key is None:
             return (0.0, 0.0, 0.0, 0.0) if moved else None
         x, y, z, yaw = MOVES[key]
         return x * self.speed, y * self.speed, z * self.speed, yaw * self.turn
 
-    def grounds(self, now: float) -> bool | None:
-        """Whether the AI drone is to come down: True while F4 is held, False once, then None."""
-        grounded, self._grounding = self._grounding, self._ground.at(now) is not None
-        return self._grounding or (False if grounded else None)
+    def hold(self, now: float) -> bool | None:
+        """Whether to hold the AI drone at `now`: True while HOLD is held, False once after it, then None."""
+        held, self._was_holding = self._was_holding, self._hold.at(now) is not None
+        return self._was_holding or (False if held else None)
 
     def release(self) -> None:
-        """Lets go of everything that is held."""
+        """Counts all keys as released."""
         self._move.release()
-        self._ground.release()
+        self._hold.release()
 
 
-def _within(value: float, low: float, high: float) -> float:
+def _clamp(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)

@@ -1,4 +1,4 @@
-"""Keys from a terminal: its mode while keys are read, and the bytes that they send."""
+"""Reads keys from a terminal: its mode, and the decoding of the bytes that keys send."""
 
 import codecs
 import os
@@ -11,9 +11,9 @@ from types import TracebackType
 from typing import Self
 
 ESCAPE = 0x1B
-ESCAPE_TIMEOUT = 0.05  # s of silence after which a lone escape byte was the key of that name
+ESCAPE_TIMEOUT = 0.05  # s without a byte after which a lone escape byte means the Esc key
 
-# xterm, rxvt and the Linux console each have their own.
+# xterm and rxvt, older xterm, the Linux console.
 FUNCTION_KEYS = {
     b"\x1bOQ": "F2",
     b"\x1b[12~": "F2",
@@ -33,10 +33,10 @@ _BEGUN = re.compile(rb"\x1b(?:\[\[|\[[0-?]{0,16}[ -/]{0,4}|O[0-9;]{0,16})?\Z")
 
 
 class Decoder:
-    """Bytes of a terminal into names of keys, however the bytes are split over reads.
+    """Decodes the bytes of a terminal into names of keys, however the bytes are split over reads.
 
-    A printable key is called by its character, others 'Tab', 'Space', 'Esc', 'F2', 'F3', 'F4'. An escape sequence
-    without a name stands for itself. Bytes that are not UTF-8 are ignored.
+    The name of a printable key is its character; others are 'Tab', 'Space', 'Esc', 'F2', 'F3', 'F4'. The name of any
+    other escape sequence is the sequence itself. Bytes that are not UTF-8 are ignored.
     """
 
     def __init__(self) -> None:
@@ -45,11 +45,11 @@ class Decoder:
 
     @property
     def pending(self) -> bool:
-        """Whether an escape sequence has begun and not ended."""
+        """Whether an escape sequence is incomplete."""
         return bool(self._bytes)
 
     def feed(self, data: bytes) -> list[str]:
-        """The keys that are complete with these bytes."""
+        """Takes bytes and returns the keys that they complete."""
         self._bytes += data
         keys = []
         while self._bytes and not _BEGUN.match(self._bytes):
@@ -57,7 +57,7 @@ class Decoder:
         return keys
 
     def flush(self) -> list[str]:
-        """The keys that are complete because nothing followed: a lone escape, or a sequence that was cut off."""
+        """Ends an incomplete sequence: returns Esc for a lone escape byte, otherwise the bytes as they are."""
         begun, self._bytes = self._bytes.decode("latin-1"), b""
         return [NAMED.get(begun, begun)] if begun else []
 
@@ -71,15 +71,15 @@ class Decoder:
 
 
 class Keyboard:
-    """The keys of a terminal, one by one and without echo, from `with` to its end; then as it was before.
+    """Reads the keys of a terminal one by one, without echo, within a `with` block; restores its mode at the end.
 
-    Ctrl-C still interrupts. Ctrl-Z, Ctrl-S and Ctrl-Q are keys like others: nobody stops a pilot in the air.
+    Ctrl-C still interrupts. Ctrl-Z, Ctrl-S and Ctrl-Q are ordinary keys, so that they cannot stop a flying program.
     """
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
         self._decoder = Decoder()
-        self._heard = 0.0
+        self._last_byte = 0.0
 
     def __enter__(self) -> Self:
         self._before = termios.tcgetattr(self._descriptor)
@@ -94,17 +94,17 @@ class Keyboard:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        stops = signal.signal(signal.SIGTTOU, signal.SIG_IGN)  # in the background, setting the mode would stop us
+        stops = signal.signal(signal.SIGTTOU, signal.SIG_IGN)  # setting the mode would stop a background process
         try:
             termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
-            termios.tcflush(self._descriptor, termios.TCIFLUSH)  # repeats of a held key are not for the shell
-        except termios.error:  # the terminal is gone, and its mode with it
+            termios.tcflush(self._descriptor, termios.TCIFLUSH)  # the shell must not receive repeats of a held key
+        except termios.error:  # the terminal is gone
             pass
         finally:
             signal.signal(signal.SIGTTOU, stops)
 
     def read(self) -> list[str]:
-        """The keys since the last call, without waiting. Raises EOFError when the terminal is gone."""
+        """Returns the keys since the last call, without waiting. Raises EOFError if the terminal is gone."""
         now = time.monotonic()
         if select.select([self._descriptor], [], [], 0.0)[0]:
             try:
@@ -113,8 +113,8 @@ class Keyboard:
                 data = b""
             if not data:
                 raise EOFError("the terminal is gone")
-            self._heard = now
+            self._last_byte = now
             return self._decoder.feed(data)
-        if self._decoder.pending and now - self._heard > ESCAPE_TIMEOUT:
+        if self._decoder.pending and now - self._last_byte > ESCAPE_TIMEOUT:
             return self._decoder.flush()
         return []

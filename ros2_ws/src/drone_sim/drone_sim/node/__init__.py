@@ -1,1 +1,1 @@
-"""What the nodes share."""
+"""What the nodes need of ROS: their process, parameters and QoS, and the pace of a simulation."""

@@ -1,21 +1,21 @@
-"""How many steps are due: ties simulated time to the wall clock without ever letting it jump."""
+"""When steps and costly work are due, by the wall clock; a stall delays simulated time but never makes it jump."""
 
 import math
 
-MOST_AT_ONCE = 5  # steps; what a stall leaves beyond these is given up, and reported as lag
+MOST_AT_ONCE = 5  # steps; steps that a stall leaves beyond these are dropped and counted as lag
 
 
 class Pacer:
-    """Counts the steps that the wall clock asks for, from wall times given in s."""
+    """Number of steps that are due, from wall times in s."""
 
     def __init__(self, rate: float, factor: float) -> None:
         """rate: steps per simulated s. factor: simulated s per wall s, more than 0."""
         self.period = 1.0 / (rate * factor)  # s of wall time a step
-        self.lag = 0.0  # s of wall time given up so far
+        self.lag = 0.0  # s of wall time dropped so far
         self._next: float | None = None  # when the next step is due
 
     def due(self, now: float) -> int:
-        """Steps to take now; call it at least once a period."""
+        """Steps to take now, at most MOST_AT_ONCE; to be called at least once a period."""
         if self._next is None:
             self._next = now
         steps = int((now - self._next) / self.period) + 1 if now >= self._next else 0
@@ -26,21 +26,21 @@ class Pacer:
         return steps
 
     def restart(self) -> None:
-        """Starts anew at the next call, after a pause that is nobody's lag."""
+        """Starts again at the next call; the time since the last call, a pause, is not lag."""
         self._next = None
 
 
 class Share:
-    """Something that may take a share of the time, from 0 to 1: what took long is due again after a longer rest."""
+    """Limits work to a share of wall time, from 0 to 1: the longer it took, the later it is due again."""
 
     def __init__(self, share: float) -> None:
         self._rest = 1.0 / share - 1.0
         self._next = -math.inf
 
     def due(self, now: float) -> bool:
-        """Whether it may happen at `now` in s."""
+        """Whether the work may be done at `now`, in s."""
         return now >= self._next
 
     def took(self, start: float, end: float) -> None:
-        """It happened from `start` to `end`."""
+        """Records that the work was done from `start` to `end`, in s."""
         self._next = end + self._rest * (end - start)

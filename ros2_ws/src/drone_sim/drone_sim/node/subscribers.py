@@ -1,24 +1,24 @@
-"""Which topics somebody listens to, where there may be a thousand of them."""
+"""Which topics have subscribers, at a bounded cost for a thousand topics."""
 
 from collections.abc import Callable, Mapping
 from itertools import cycle, islice
 
-AT_ONCE = 100  # topics asked about in a step; asking for a thousand takes as long as the step itself
+TOPICS_PER_REFRESH = 100  # counting the subscribers of a thousand topics takes as long as a step
 
 
-class Audience:
-    """The topics that are heard, by what was found when each was asked about last."""
+class Subscribers:
+    """The topics that have subscribers, as of the last time that each topic was checked."""
 
     def __init__(self, count: Mapping[str, Callable[[], int]]) -> None:
-        """count: by topic, what tells how many listen to it."""
-        self.heard: set[str] = set()
-        self._turn = cycle(count.items())
-        self._share = min(AT_ONCE, len(count))
+        """count: for each topic a function that returns its number of subscribers."""
+        self.topics: set[str] = set()
+        self._next = cycle(count.items())
+        self._per_refresh = min(TOPICS_PER_REFRESH, len(count))
 
-    def look(self) -> None:
-        """Asks about the topics whose turn it is: about all where there are few."""
-        for topic, count in islice(self._turn, self._share):
+    def refresh(self) -> None:
+        """Checks the next TOPICS_PER_REFRESH topics in turn; all of them if there are fewer."""
+        for topic, count in islice(self._next, self._per_refresh):
             if count():
-                self.heard.add(topic)
+                self.topics.add(topic)
             else:
-                self.heard.discard(topic)
+                self.topics.discard(topic)

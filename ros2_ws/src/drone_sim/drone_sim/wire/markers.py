@@ -13,6 +13,7 @@ from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.mesh.octree import Octree
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE, UNSET
 from drone_engine.world import World
+from drone_sim.wire import debug_depth
 from drone_sim.wire.layouts import BALL, LINE_LIST, Mark, marker_array
 
 LEVELS = {SPHERE: (0.15, 0.75, 1.0), OBB: (0.2, 0.85, 0.3), OCTREE: (0.75, 0.35, 1.0), TRIANGLE: (0.95, 0.95, 0.95)}
@@ -21,7 +22,6 @@ SECTOR, CONTACT = (0.65, 0.85, 1.0, 0.6), (1.0, 0.85, 0.0, 1.0)
 FAINT, FAINT_BALL = 0.5, 0.2  # opacity of octrees and of what never moves; of bounding spheres
 THIN, PLAIN, STRONG, BOLD = 0.005, 0.01, 0.015, 0.02  # m, widths of lines
 CARRIES = 0.7  # upward part of the normal from which on a contact with something static is standing on it
-DEPTH, DEEPEST = 3, 6  # of the octrees: what is deeper is not shown
 
 CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 EDGES = np.array([(i, j) for i in range(8) for j in range(i + 1, 8) if abs(CORNERS[i] - CORNERS[j]).sum() == 2]).ravel()
@@ -67,7 +67,7 @@ class Markers:
         names = self._world.model.bodies.names
         return Mark(names[body], name, body, LINE_LIST, self._poses[body], (width, 0.0, 0.0))
 
-    def message(self, time_ns: int, depth: int = DEPTH) -> bytes:
+    def message(self, time_ns: int, depth: int = debug_depth.DEFAULT) -> bytes:
         """A serialized visualization_msgs/MarkerArray of the last step; depth: of the octrees, 0 for their roots."""
         return marker_array(time_ns, self._marks(depth))
 

@@ -4,36 +4,36 @@ from collections import Counter
 from collections.abc import Callable
 
 from drone_engine.world import World
-from drone_sim.node.subscribers import AT_ONCE, Audience
+from drone_sim.node.subscribers import TOPICS_PER_REFRESH, Subscribers
 from drone_sim.wire.telemetry import Telemetry
 
 
 def test_few_topics_are_known_at_once() -> None:
     listeners = {"a": 0, "b": 0}
-    audience = Audience({topic: lambda topic=topic: listeners[topic] for topic in listeners})
-    audience.look()
-    assert audience.heard == set()
+    subscribers = Subscribers({topic: lambda topic=topic: listeners[topic] for topic in listeners})
+    subscribers.refresh()
+    assert subscribers.topics == set()
     listeners["b"] = 2
-    audience.look()
-    assert audience.heard == {"b"}
+    subscribers.refresh()
+    assert subscribers.topics == {"b"}
     listeners["b"] = 0
-    audience.look()
-    assert audience.heard == set()
+    subscribers.refresh()
+    assert subscribers.topics == set()
 
 
 def test_many_topics_have_their_turn() -> None:
     asked: Counter[int] = Counter()
-    audience = Audience({str(i): lambda i=i: asked.update([i]) or i % 2 for i in range(3 * AT_ONCE)})
-    audience.look()
-    assert asked.total() == AT_ONCE
-    audience.look()
-    audience.look()
+    subscribers = Subscribers({str(i): lambda i=i: asked.update([i]) or i % 2 for i in range(3 * TOPICS_PER_REFRESH)})
+    subscribers.refresh()
+    assert asked.total() == TOPICS_PER_REFRESH
+    subscribers.refresh()
+    subscribers.refresh()
     assert set(asked.values()) == {1}
-    assert audience.heard == {str(i) for i in range(1, 3 * AT_ONCE, 2)}
+    assert subscribers.topics == {str(i) for i in range(1, 3 * TOPICS_PER_REFRESH, 2)}
 
 
 def test_no_topics_are_no_error() -> None:
-    Audience({}).look()
+    Subscribers({}).refresh()
 
 
 def test_only_what_is_heard_is_said(world: Callable[..., World]) -> None:
