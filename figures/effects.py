@@ -19,7 +19,7 @@ from drone_engine.flight.quadrotor import SPEED
 from drone_engine.scene.schema import load
 from drone_engine.world import World
 from figures import DOCS, style
-from figures.style import GREY, GRID
+from figures.style import GRAY, GRID
 
 OUT = DOCS / "effects"
 SIZE, PLACE = (6.4, 3.0), (0.105, 0.17, 0.865, 0.68)
@@ -58,15 +58,15 @@ def along(axis: int) -> Callable[[World], float]:
     return lambda run: float(run.state.velocity_w[0, axis])
 
 
-def line(axes: Any, x: Floats, y: Floats, colour: str, name: str = "", spot: tuple[float, float] = (0.0, 0.0)) -> None:
+def line(axes: Any, x: Floats, y: Floats, color: str, name: str = "", spot: tuple[float, float] = (0.0, 0.0)) -> None:
     """A curve, and its name with its left end in the middle at a spot."""
-    axes.plot(x, y, color=colour, linewidth=2.0, solid_capstyle="round")
-    axes.text(*spot, name, color=colour, fontsize=9, fontweight="bold", va="center", zorder=5)
+    axes.plot(x, y, color=color, linewidth=2.0, solid_capstyle="round")
+    axes.text(*spot, name, color=color, fontsize=9, fontweight="bold", va="center", zorder=5)
 
 
-def dots(axes: Any, x: Floats, y: Floats, colour: str) -> None:
+def dots(axes: Any, x: Floats, y: Floats, color: str) -> None:
     """Simulated values."""
-    axes.plot(x, y, "o", markersize=4.5, markerfacecolor="white", markeredgecolor=colour, markeredgewidth=1.3, zorder=4)
+    axes.plot(x, y, "o", markersize=4.5, markerfacecolor="white", markeredgecolor=color, markeredgewidth=1.3, zorder=4)
 
 
 def labels(axes: Any, across: str, up: str) -> None:
@@ -77,10 +77,10 @@ def labels(axes: Any, across: str, up: str) -> None:
 @picture
 def wind_(axes: Any) -> str:
     heights = np.linspace(0.0, 40.0, 300)
-    for profile, colour, spot in (("uniform", style.FAINT, (7.2, 30.0)), ("power", style.FIRST, (8.55, 32.0)),
+    for profile, color, spot in (("uniform", style.FAINT, (7.2, 30.0)), ("power", style.FIRST, (8.55, 32.0)),
                                   ("log", style.SECOND, (9.95, 32.0))):
         p = wind.Parameters.model_validate({"profile": profile, "mean": (8.0, 0.0, 0.0)})
-        line(axes, np.array([8.0 * p.factor(z) for z in heights]), heights, colour, profile, spot)
+        line(axes, np.array([8.0 * p.factor(z) for z in heights]), heights, color, profile, spot)
     axes.set(xlim=(4, 11), ylim=(0, 40))
     axes.axhline(10.0, color=GRID, linewidth=1.2, zorder=0)
     labels(axes, "wind, m/s", "height, m")
@@ -99,13 +99,13 @@ def gusts_(axes: Any) -> str:
         seen.append(gust[0].copy())
     times, values = dt * np.arange(n), np.array(seen[n:])
     sigma, sigma_w = gusts.scales(10.0, 7.7)[2:]
-    for c, colour, name, shift in ((2, THIRD, "up", -5.0), (1, style.SECOND, "across", 0.0),
+    for c, color, name, shift in ((2, THIRD, "up", -5.0), (1, style.SECOND, "across", 0.0),
                                    (0, style.FIRST, "along\nthe wind", 5.0)):
         spread = sigma_w if c == 2 else sigma
-        axes.axhspan(shift - spread, shift + spread, color=colour, alpha=0.09, linewidth=0)
+        axes.axhspan(shift - spread, shift + spread, color=color, alpha=0.09, linewidth=0)
         axes.axhline(shift, color=GRID, linewidth=0.9, zorder=0)
-        axes.plot(times, values[:, c] + shift, color=colour, linewidth=1.3)
-        axes.text(30.3, shift, name, color=colour, fontsize=9, fontweight="bold", va="center")
+        axes.plot(times, values[:, c] + shift, color=color, linewidth=1.3)
+        axes.text(30.3, shift, name, color=color, fontsize=9, fontweight="bold", va="center")
     axes.set(xlim=(0, 30), ylim=(-8.5, 8.5), yticks=[-7, -5, -3, -2, 0, 2, 3, 5, 7],
              yticklabels=["−2", "0", "2", "−2", "0", "2", "−2", "0", "2"])
     axes.set_position((PLACE[0], PLACE[1], 0.74, PLACE[3]))
@@ -124,9 +124,9 @@ def downwash_(axes: Any) -> str:
                              for at, beside in rotors)) if z > 0.0 else 0.0
 
     air = np.array([[speed(x, z) for z in down] for x in across])
-    colours = LinearSegmentedColormap.from_list("air", ["#ffffff", "#cfe0f2", style.FIRST, "#1d3f68"])
+    colors = LinearSegmentedColormap.from_list("air", ["#ffffff", "#cfe0f2", style.FIRST, "#1d3f68"])
     shown = axes.imshow(air, extent=(down[0], down[-1], across[0], across[-1]), origin="lower", aspect="auto",
-                        cmap=colours, interpolation="bilinear")
+                        cmap=colors, interpolation="bilinear")
     lines = axes.contour(down, across, air, levels=[1, 2, 4, 8], colors=style.INK, linewidths=0.6, alpha=0.7)
     axes.clabel(lines, fmt="%g", fontsize=8, manual=[(3.2, 0.6), (2.9, 0.42), (3.3, 0.18), (1.2, 0.2)])
     for side in (-0.19, 0.19):
@@ -134,8 +134,8 @@ def downwash_(axes: Any) -> str:
     axes.set_position((PLACE[0], PLACE[1], 0.78, PLACE[3]))
     bar = axes.figure.colorbar(shown, cax=axes.figure.add_axes((0.90, PLACE[1], 0.017, PLACE[3])))
     bar.outline.set_visible(False)
-    bar.ax.set_title("m/s", fontsize=8.5, color=GREY)
-    bar.ax.tick_params(length=2, labelsize=8.5, colors=GREY)
+    bar.ax.set_title("m/s", fontsize=8.5, color=GRAY)
+    bar.ax.tick_params(length=2, labelsize=8.5, colors=GRAY)
     labels(axes, "below the rotors, m", "beside them, m")
     return "Air below a quadrotor of 1.5 kg that hovers: four jets become one"
 
@@ -152,13 +152,13 @@ def gravity_(axes: Any) -> str:
 @picture
 def drag_(axes: Any) -> str:
     t = np.linspace(0.0, 12.0, 200)
-    for mass, colour in ((20.0, style.FIRST), (5.0, style.SECOND)):
+    for mass, color in ((20.0, style.FIRST), (5.0, style.SECOND)):
         run = world("gravity: {}, drag: {}", CRATE.replace("20", f"{mass:g}"), 30)
         half = run.model.bodies.half[0]
         final = math.sqrt(2 * mass * G / (1.225 * 4 * half[0] * half[1]))
-        line(axes, t, final * np.tanh(G * t / final), colour, f"{mass:g} kg", (9.3, final - 1.6))
-        dots(axes, *followed(run, 12.0, lambda w: -w.state.velocity_w[0, 2], 18), colour)
-        axes.axhline(final, color=colour, linewidth=0.8, linestyle=(0, (4, 3)))
+        line(axes, t, final * np.tanh(G * t / final), color, f"{mass:g} kg", (9.3, final - 1.6))
+        dots(axes, *followed(run, 12.0, lambda w: -w.state.velocity_w[0, 2], 18), color)
+        axes.axhline(final, color=color, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set(xlim=(0, 12), ylim=(0, None))
     labels(axes, "time, s", "speed of the fall, m/s")
     return "Crates fall: v = v∞ tanh(g t / v∞); dots are simulated"
@@ -167,12 +167,12 @@ def drag_(axes: Any) -> str:
 @picture
 def linear_drag_(axes: Any) -> str:
     t = np.linspace(0.0, 6.0, 200)
-    for axis, rate, colour, name, spot in ((0, 0.544, style.FIRST, "forwards, 0.544 /s", (0.15, 2.9)),
+    for axis, rate, color, name, spot in ((0, 0.544, style.FIRST, "forwards, 0.544 /s", (0.15, 2.9)),
                                            (1, 0.386, style.SECOND, "sideways, 0.386 /s", (1.7, 6.3))):
         run = world("linear_drag: {bodies: all}", rate=60)
         run.state.velocity_w[0, axis] = 10.0
-        line(axes, t, 10.0 * np.exp(-rate * t), colour, name, spot)
-        dots(axes, *followed(run, 6.0, along(axis), 24), colour)
+        line(axes, t, 10.0 * np.exp(-rate * t), color, name, spot)
+        dots(axes, *followed(run, 6.0, along(axis), 24), color)
     axes.set(xlim=(0, 6), ylim=(0, 10.4))
     labels(axes, "time, s", "speed, m/s")
     return "What is left of 10 m/s; dots are simulated"
@@ -181,12 +181,12 @@ def linear_drag_(axes: Any) -> str:
 @picture
 def ground_effect_(axes: Any) -> str:
     heights = np.linspace(0.0, 3.0, 400)
-    for speed, colour, name, up in ((0.0, style.FIRST, "hovering", 1.32), (1.0, style.SECOND, "V = vᵢ", 1.16),
+    for speed, color, name, up in ((0.0, style.FIRST, "hovering", 1.32), (1.0, style.SECOND, "V = vᵢ", 1.16),
                                     (2.0, THIRD, "V = 2 vᵢ", 1.07)):
         ratio = np.array([1 + gain(1.0, z, speed, 1.0) for z in heights])
-        line(axes, heights, ratio, colour, name, (0.55 if speed == 0.0 else 0.04, up))
+        line(axes, heights, ratio, color, name, (0.55 if speed == 0.0 else 0.04, up))
     axes.axvspan(0, CLOSEST, color="#eef1f5", zorder=0)
-    axes.text(CLOSEST / 2, 1.24, "not\nmeasured", fontsize=8.5, color=GREY, ha="center", va="center")
+    axes.text(CLOSEST / 2, 1.24, "not\nmeasured", fontsize=8.5, color=GRAY, ha="center", va="center")
     axes.set(xlim=(0, 3), ylim=(1.0, 1.36))
     labels(axes, "height of the rotor, z / R", "thrust, T / T∞")
     return "A rotor near the ground, at one power"
@@ -194,14 +194,14 @@ def ground_effect_(axes: Any) -> str:
 
 @picture
 def water_(axes: Any) -> str:
-    for density, colour, spot in ((150, style.FIRST, (2.3, 0.75)), (500, style.SECOND, (1.5, -0.95)),
+    for density, color, spot in ((150, style.FIRST, (2.3, 0.75)), (500, style.SECOND, (1.5, -0.95)),
                                  (900, THIRD, (4.2, -1.9))):
         run = world("gravity: {}, drag: {}, water: {density: 1000}", CRATE)
         volume = 8 * run.model.bodies.half[0].prod()
         run = world("gravity: {}, drag: {}, water: {density: 1000}",
                     f"crate: {{model: crate, mass: {density * volume}, pose: [0, 0, 1, 0.4, 0.2, 0]}}")
         t, z = followed(run, 12.0, lambda w: w.state.position_w[0, 2], 4)
-        line(axes, t, z, colour, f"{density} kg/m³", spot)
+        line(axes, t, z, color, f"{density} kg/m³", spot)
     axes.axhline(0.0, color=style.FIRST, linewidth=0.8)
     axes.axhspan(-3.0, 0.0, color=style.FIRST, alpha=0.07, linewidth=0)
     axes.set(xlim=(0, 12), ylim=(-2.3, 1.6))
@@ -211,7 +211,7 @@ def water_(axes: Any) -> str:
 
 @picture
 def motor_lag_(axes: Any) -> str:
-    for effects, colour, name, spot in (
+    for effects, color, name, spot in (
             ("gravity: {}", style.SECOND, "without", (0.115, 832.0)),
             ("gravity: {}, motor_lag: {up: 0.05, down: 0.1}", style.FIRST, "with 50 ms up and 100 ms down",
              (0.26, 810.0))):
@@ -220,7 +220,7 @@ def motor_lag_(axes: Any) -> str:
         for k in range(400):
             run.step({"drone": (0.0, 0.0, 2.0 if k > 50 else 0.0, 0.0)})
             rates.append(run.state.memory[SPEED][0, 0])
-        line(axes, np.arange(400) / 500, np.array(rates), colour, name, spot)
+        line(axes, np.arange(400) / 500, np.array(rates), color, name, spot)
     labels(axes, "time, s", "rate of a rotor, rad/s")
     return "A rotor of a quadrotor that is told at 0.1 s to climb"
 
@@ -242,7 +242,7 @@ def main() -> None:
         if name != "downwash":
             axes.grid(color=GRID, linewidth=0.8, zorder=0)
         axes.set_axisbelow(True)
-        axes.tick_params(length=2, labelsize=8.5, colors=GREY)
+        axes.tick_params(length=2, labelsize=8.5, colors=GRAY)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
         style.save(figure, options.out / f"{name}.png")

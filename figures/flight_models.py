@@ -52,14 +52,14 @@ def main() -> None:
     speeds, tilts, rotors = (figure.add_axes(place) for place in places)
     speeds.plot([0, WAIT, WAIT, TOLD + 0.5, TOLD + 0.5, END], np.array([0, 0, 1, 1, 0, 0]) * SPEED_TOLD,
                 color="#b9c0c9", linewidth=1.3, linestyle=(0, (4, 2.5)))
-    for name, (model, lag, colour) in MODELS.items():
+    for name, (model, lag, color) in MODELS.items():
         speed, tilt, rates = fly(model, lag)
         dashes: Any = (0, (5, 2)) if name.endswith("lag") else "-"
-        speeds.plot(time, speed, color=colour, linewidth=1.9, linestyle=dashes, label=name)
-        tilts.plot(time, tilt, color=colour, linewidth=1.9, linestyle=dashes)
+        speeds.plot(time, speed, color=color, linewidth=1.9, linestyle=dashes, label=name)
+        tilts.plot(time, tilt, color=color, linewidth=1.9, linestyle=dashes)
         if model == "quadrotor":
             for which in range(2):
-                rotors.plot(time, rates[:, which], color=colour, linewidth=1.5, linestyle=dashes,
+                rotors.plot(time, rates[:, which], color=color, linewidth=1.5, linestyle=dashes,
                             alpha=1.0 if which else 0.55)
     for axes, title in ((speeds, "Speed ahead, m/s"), (tilts, "Tilt forward, degrees"),
                         (rotors, "Rates of the rear (strong) and front (pale) rotors, rad/s")):

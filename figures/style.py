@@ -19,7 +19,7 @@ from drone_engine.arrays import Booleans, Floats, Integers
 
 FIRST, SECOND = "#3f78b8", "#efa22f"  # A and B
 INK, FAINT = "#22272e", "#8a94a0"
-GRID, GREY = "#e6e9ed", "#5b6570"
+GRID, GRAY = "#e6e9ed", "#5b6570"
 HIT, APART, MISSED, INVENTED = "#44617f", "#e8ecf1", "#d7263d", "#8e3fb0"
 MEANINGS = {HIT: "they meet", APART: "they do not", MISSED: "a hit that was missed", INVENTED: "a hit that is none"}
 WIDTH, HEIGHT, DPI = 10.4, 4.5, 115  # inches
@@ -27,7 +27,7 @@ SHAPES = (-0.01, 0.02, 0.42, 0.74)  # where the view of the shapes is, as Place 
 FIRST_MAP, SECOND_MAP = ((left, 0.145, 0.585 * HEIGHT / WIDTH, 0.585) for left in (0.44, 0.72))
 LINE = 145  # characters
 Place = tuple[float, float, float, float]  # left, bottom, width, height of the figure
-COLOURS = 200  # of a picture's palette
+COLORS = 200  # of a picture's palette
 
 mpl.rcParams |= {"font.family": "DejaVu Sans", "font.size": 9, "text.color": INK, "axes.labelcolor": INK,
                  "axes.edgecolor": FAINT, "xtick.color": FAINT, "ytick.color": FAINT, "axes.linewidth": 0.7,
@@ -48,7 +48,7 @@ def save(figure: Figure, path: Path) -> None:
     figure.savefig(drawn, format="png")
     picture = Image.open(drawn).convert("RGB")
     path.parent.mkdir(parents=True, exist_ok=True)
-    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    picture.quantize(COLORS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def space(figure: Figure, place: Place, low: Sequence[float], high: Sequence[float],
@@ -63,49 +63,49 @@ def space(figure: Figure, place: Place, low: Sequence[float], high: Sequence[flo
     return axes
 
 
-def draw_box(axes: Any, centre: Floats, turn: Floats, half: Floats, colour: str, alpha: float = 0.35,
+def draw_box(axes: Any, center: Floats, turn: Floats, half: Floats, color: str, alpha: float = 0.35,
              **more: Any) -> None:
     """A box; turn (3, 3): its axes, one a row."""
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    corners = centre + (signs * half) @ turn
+    corners = center + (signs * half) @ turn
     faces = [corners[[a, b, c, d]] for a, b, c, d in
              ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))]
-    draw_faces(axes, faces, colour, alpha, **more)
+    draw_faces(axes, faces, color, alpha, **more)
 
 
-def draw_faces(axes: Any, faces: Sequence[Floats], colour: str, alpha: float = 0.35, width: float = 0.9,
+def draw_faces(axes: Any, faces: Sequence[Floats], color: str, alpha: float = 0.35, width: float = 0.9,
                zorder: float = 2) -> None:
     """Polygons, each (k, 3), with their edges."""
-    polygons = Poly3DCollection(faces, facecolor=mpl.colors.to_rgba(colour, alpha),
-                                edgecolor=mpl.colors.to_rgba(colour, 0.95), linewidth=width, zorder=zorder)
+    polygons = Poly3DCollection(faces, facecolor=mpl.colors.to_rgba(color, alpha),
+                                edgecolor=mpl.colors.to_rgba(color, 0.95), linewidth=width, zorder=zorder)
     polygons.set_clip_on(False)
     axes.add_collection3d(polygons)
 
 
-def draw_lines(axes: Any, lines: Sequence[Floats], colour: str, width: float = 1.2, zorder: float = 3) -> None:
+def draw_lines(axes: Any, lines: Sequence[Floats], color: str, width: float = 1.2, zorder: float = 3) -> None:
     """Lines through points (k, 3)."""
-    strokes = Line3DCollection(lines, colors=colour, linewidths=width, zorder=zorder)
+    strokes = Line3DCollection(lines, colors=color, linewidths=width, zorder=zorder)
     strokes.set_clip_on(False)
     axes.add_collection3d(strokes)
 
 
-def draw_point(axes: Any, point: Floats, colour: str = INK, size: float = 18) -> None:
-    axes.scatter(*point, color=colour, s=size, depthshade=False, zorder=5, clip_on=False)
+def draw_point(axes: Any, point: Floats, color: str = INK, size: float = 18) -> None:
+    axes.scatter(*point, color=color, s=size, depthshade=False, zorder=5, clip_on=False)
 
 
-def draw_name(axes: Any, point: Floats, name: str, colour: str = INK, size: float = 12) -> None:
-    """A name at a point of space, readable on any colour."""
+def draw_name(axes: Any, point: Floats, name: str, color: str = INK, size: float = 12) -> None:
+    """A name at a point of space, readable on any color."""
     halo = [withStroke(linewidth=3, foreground="white")]
-    axes.text(*point, name, color=colour, fontsize=size, fontweight="bold", ha="center", va="center", zorder=9,
+    axes.text(*point, name, color=color, fontsize=size, fontweight="bold", ha="center", va="center", zorder=9,
               path_effects=halo)
 
 
-def draw_map(figure: Figure, place: Place, kinds: Integers, colours: Sequence[str], title: str, across: str,
+def draw_map(figure: Figure, place: Place, kinds: Integers, colors: Sequence[str], title: str, across: str,
              up: str = "", alarm: bool = False) -> None:
     """Kinds of answers (k, k) over two inputs moved by steps of one ulp; [i, j] is i steps up and j steps across."""
     reach = kinds.shape[0] // 2
     axes = figure.add_axes(place)
-    axes.imshow(kinds, cmap=ListedColormap(colours), vmin=0, vmax=len(colours) - 1, origin="lower",
+    axes.imshow(kinds, cmap=ListedColormap(colors), vmin=0, vmax=len(colors) - 1, origin="lower",
                 extent=(-reach - 0.5, reach + 0.5, -reach - 0.5, reach + 0.5), interpolation="nearest")
     axes.set_title(title, fontsize=10.5, loc="left", pad=6, color=MISSED if alarm else INK, fontweight="bold")
     axes.set_xlabel(across, fontsize=8.5, labelpad=2)
@@ -117,7 +117,7 @@ def draw_map(figure: Figure, place: Place, kinds: Integers, colours: Sequence[st
 
 
 def draw_maps(figure: Figure, plain: Booleans, exact: Booleans, across: str, up: str) -> None:
-    """The map of plain float64 beside that of the exact answer, and what their colours mean."""
+    """The map of plain float64 beside that of the exact answer, and what their colors mean."""
     wrong = int((plain != exact).sum())
     kinds = np.where(exact, np.where(plain, 0, 2), np.where(plain, 3, 1))
     title = f"float64: {wrong:,} of {plain.size:,} wrong"
@@ -127,8 +127,8 @@ def draw_maps(figure: Figure, plain: Booleans, exact: Booleans, across: str, up:
 
 
 def legend(figure: Figure, meanings: Mapping[str, str]) -> None:
-    """What the colours mean, in the lower right corner."""
-    kinds = [Patch(facecolor=colour, edgecolor=FAINT, linewidth=0.4, label=text) for colour, text in meanings.items()]
+    """What the colors mean, in the lower right corner."""
+    kinds = [Patch(facecolor=color, edgecolor=FAINT, linewidth=0.4, label=text) for color, text in meanings.items()]
     figure.legend(handles=kinds, loc="lower right", ncols=len(kinds), frameon=False, fontsize=8.5, handlelength=1.1,
                   handleheight=1.1, columnspacing=1.4, bbox_to_anchor=(0.995, -0.005))
 
@@ -140,7 +140,7 @@ def label(figure: Figure, x: float, y: float, text: str, **more: Any) -> None:
 def tidy(axes: Any) -> None:
     axes.grid(color=GRID, linewidth=0.8, zorder=0)
     axes.set_axisbelow(True)
-    axes.tick_params(length=2, labelsize=8.5, colors=GREY)
+    axes.tick_params(length=2, labelsize=8.5, colors=GRAY)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
@@ -151,8 +151,8 @@ def number(value: float, unit: str = "") -> str:
     return (f"{float(digits):.0f}" if abs(value) >= 10 else digits) + (f" {unit}" if unit else "")
 
 
-def length(metres: float) -> str:
+def length(meters: float) -> str:
     """In the unit that people would say it in."""
-    if metres >= 1.0:
-        return number(metres, "m")
-    return number(100 * metres, "cm") if metres >= 0.01 else number(1000 * metres, "mm")
+    if meters >= 1.0:
+        return number(meters, "m")
+    return number(100 * meters, "cm") if meters >= 0.01 else number(1000 * meters, "mm")

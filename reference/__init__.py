@@ -1,1 +1,1 @@
-"""Oracles, families of hard shapes and cases of motion that tests and benchmarks share."""
+"""Oracles, families of hard shapes and cases of motion, shared by tests and benchmarks."""

@@ -1,7 +1,8 @@
-"""Pairs of boxes that rounding gets wrong: a family makes n of them from a seeded generator.
+"""Families of box pairs near touch, for which floating-point tests are often wrong.
 
-Pairs are six arrays, as the box level takes them: center_a, axes_a, half_a, center_b, axes_b, half_b; a half and more
-of each family is within a few roundings of touching.
+A family makes n pairs from a seeded generator, as six arrays in the order of the box kernels: center_a, axes_a, half_a,
+center_b, axes_b, half_b, shapes (n, 3), (n, 3, 3) with one axis per row, (n, 3), twice. At least half of each family
+is within a few roundings of touching.
 """
 
 from collections.abc import Callable
@@ -15,19 +16,19 @@ from drone_engine.arrays import Floats
 Pairs = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 
 QUARTERS = np.array([np.eye(3)[list(order)] * signs for order in permutations(range(3))
-                     for signs in product((1.0, -1.0), repeat=3)])  # mirrored ones too
+                     for signs in product((1.0, -1.0), repeat=3)])  # rotations by quarter turns, mirrored ones included
 FAR = 1e6  # m
 
 
 def near_contact(rng: Generator, n: int) -> Pairs:
-    """Boxes turned at random: half of them 20 % from touching at most, the others a few roundings."""
+    """Randomly rotated boxes: half of the pairs up to 20 % from touching, the others a few roundings."""
     axes_a, axes_b = rotations(rng, n), rotations(rng, n)
     half_a, half_b = rng.uniform(0.1, 1.0, (2, n, 3))
     return placed(rng, rng.uniform(-50, 50, (n, 3)), axes_a, half_a, axes_b, half_b)
 
 
 def parallel(rng: Generator, n: int) -> Pairs:
-    """Turned by multiples of 90 degrees against each other, faces in one plane or nearly: +-1 ulp on every number."""
+    """Boxes rotated by multiples of 90 degrees against each other, faces nearly coplanar: +-1 ulp on each number."""
     straight = rng.random((n, 1, 1)) < 0.5
     axes_a = np.where(straight, QUARTERS[rng.integers(0, 48, n)], rotations(rng, n))
     axes_b = QUARTERS[rng.integers(0, 48, n)] @ axes_a
@@ -40,9 +41,9 @@ def parallel(rng: Generator, n: int) -> Pairs:
 
 
 def touching(rng: Generator, n: int) -> Pairs:
-    """A corner, or a point of an edge or a face, of a exactly on one of b; half of them 1 ulp nearer or farther.
+    """A corner, or a point of an edge or face, of a exactly on one of b; half of the pairs 1 ulp nearer or farther.
 
-    Axes are whole numbers at right angles and points binary fractions, so nothing of this is rounded.
+    Axes are orthogonal integer vectors and points are binary fractions, so no operation here rounds.
     """
     axes_a, axes_b = whole_rotations(rng, n), whole_rotations(rng, n)
     half_a, half_b = rng.integers(1, 9, (2, n, 3)) / 8.0
@@ -57,7 +58,7 @@ def touching(rng: Generator, n: int) -> Pairs:
 
 
 def thin(rng: Generator, n: int) -> Pairs:
-    """Plates, rods and points, turned at random, by quarters or by whole numbers, touching or nearly."""
+    """Plates, rods and points in random, quarter-turn and integer orientations, touching or nearly."""
     center_a, axes_a, half_a, center_b, axes_b, half_b = mixed(rng, n, near_contact, parallel, touching)
     for half in (half_a, half_b):
         half[rng.random((n, 3)) < 0.4] = 0.0
@@ -68,7 +69,7 @@ def thin(rng: Generator, n: int) -> Pairs:
 
 
 def ratios(rng: Generator, n: int) -> Pairs:
-    """Sides from 1e-6 to 1e6 m, in one box and from one to the other."""
+    """Edges from 1e-6 to 1e6 m within one box and between the two."""
     axes_a, axes_b = rotations(rng, n), rotations(rng, n)
     straight = rng.random((n, 1, 1)) < 0.3
     axes_b = np.where(straight, QUARTERS[rng.integers(0, 48, n)] @ axes_a, axes_b)
@@ -77,19 +78,19 @@ def ratios(rng: Generator, n: int) -> Pairs:
 
 
 def moved(rng: Generator, n: int) -> Pairs:
-    """Pairs of the other families, 1e6 m away."""
+    """Pairs of the other families, moved by 1e6 m."""
     center_a, axes_a, half_a, center_b, axes_b, half_b = mixed(rng, n, near_contact, parallel, touching, thin)
-    way = FAR * directions(rng, n)
-    return center_a + way, axes_a, half_a, center_b + way, axes_b, half_b
+    direction = FAR * directions(rng, n)
+    return center_a + direction, axes_a, half_a, center_b + direction, axes_b, half_b
 
 
 def skewed(rng: Generator, n: int) -> Pairs:
-    """Axes that are not quite orthonormal, from the last digit on; some are plainly skewed, some lie in a plane."""
+    """Axes that deviate from orthonormal, by the last digit up to visibly; some coplanar."""
     center_a, axes_a, half_a, _, axes_b, half_b = near_contact(rng, n)
     for axes in (axes_a, axes_b):
         axes += rng.normal(size=(n, 3, 3)) * 10.0 ** rng.uniform(-17, -1, (n, 1, 1))
         axes *= np.where(rng.random((n, 1, 1)) < 0.1, 10.0 ** rng.uniform(-3, 3, (n, 3, 1)), 1.0)
-    flat = rng.random(n) < 0.1  # all six axes, and the offset, in one plane: z = tilt x
+    flat = rng.random(n) < 0.1  # all six axes and the offset in the plane z = tilt x
     for array in (axes_a, axes_b, half_a, half_b, center_a):
         array[flat] = np.round(3 * array[flat])
     half_a, half_b = np.abs(half_a), np.abs(half_b)
@@ -104,12 +105,12 @@ def skewed(rng: Generator, n: int) -> Pairs:
 
 
 def exponents(rng: Generator, n: int) -> Pairs:
-    """Pairs of the other families, so small or so large that products of their numbers are 0 or infinite."""
+    """Pairs of the other families, scaled so that products of their numbers underflow or overflow."""
     center_a, axes_a, half_a, center_b, axes_b, half_b = mixed(rng, n, near_contact, parallel, touching, thin, skewed)
-    metre = 2.0 ** rng.choice([-1074, -1070, -1022, -600, -300, 0, 300, 600, 1000, 1015], (n, 1))
-    length = 2.0 ** np.where(np.abs(np.log2(metre)) < 700, rng.choice([-300, -20, 0, 20, 300], (n, 1)), 0.0)[..., None]
-    size = metre / length[..., 0]
-    return center_a * metre, axes_a * length, half_a * size, center_b * metre, axes_b * length, half_b * size
+    meter = 2.0 ** rng.choice([-1074, -1070, -1022, -600, -300, 0, 300, 600, 1000, 1015], (n, 1))
+    length = 2.0 ** np.where(np.abs(np.log2(meter)) < 700, rng.choice([-300, -20, 0, 20, 300], (n, 1)), 0.0)[..., None]
+    size = meter / length[..., 0]
+    return center_a * meter, axes_a * length, half_a * size, center_b * meter, axes_b * length, half_b * size
 
 
 FAMILIES: dict[str, Callable[[Generator, int], Pairs]] = {
@@ -119,7 +120,7 @@ FAMILIES: dict[str, Callable[[Generator, int], Pairs]] = {
 
 
 def rotations(rng: Generator, n: int) -> Floats:
-    """Random rotation matrices, rounded once: (n, 3, 3)."""
+    """Random rotation matrices (n, 3, 3), each entry rounded once."""
     x, y, z, w = np.moveaxis(directions(rng, n, 4), -1, 0)
     return np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
                      2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
@@ -127,7 +128,7 @@ def rotations(rng: Generator, n: int) -> Floats:
 
 
 def whole_rotations(rng: Generator, n: int) -> Floats:
-    """Axes of equal length at right angles, of whole numbers: quaternions of small whole numbers give them."""
+    """Orthogonal axes of equal length with integer components, from small integer quaternions."""
     x, y, z, w = rng.integers(-2, 3, (4, n)).astype(np.float64)
     w += (x == 0) & (y == 0) & (z == 0) & (w == 0)
     s = x * x + y * y + z * z + w * w
@@ -137,31 +138,31 @@ def whole_rotations(rng: Generator, n: int) -> Floats:
 
 
 def directions(rng: Generator, n: int, dimensions: int = 3) -> Floats:
-    """Random unit vectors."""
+    """Random unit vectors (n, dimensions)."""
     vectors = rng.normal(size=(n, dimensions))
     unit: Floats = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     return unit
 
 
 def placed(rng: Generator, center_a: Floats, axes_a: Floats, half_a: Floats, axes_b: Floats, half_b: Floats) -> Pairs:
-    """b in a random direction from a, where the two just touch, or up to 20 % nearer or farther."""
+    """Places b in a random direction from a, at the distance of touch or up to 20 % nearer or farther."""
     n = len(center_a)
-    way = directions(rng, n)
+    direction = directions(rng, n)
     axes, half = np.concatenate([axes_a, axes_b], 1), np.concatenate([half_a, half_b], 1)
     i, j = np.triu_indices(6, 1)
     normals = np.cross(axes[:, i], axes[:, j])
     reach = np.einsum("nik,nk->ni", np.abs(np.einsum("nic,nkc->nik", normals, axes)), half)
-    along = np.abs(np.einsum("nic,nc->ni", normals, way))
+    along = np.abs(np.einsum("nic,nc->ni", normals, direction))
     with np.errstate(all="ignore"):
         distance = np.nanmin(np.where(along > 1e-12, reach / along, np.inf), axis=1, keepdims=True)
     distance[~np.isfinite(distance)] = 1.0
     nearly = 1 + 2.0**-52 * rng.integers(-4, 5, (n, 1))
     distance *= np.where(rng.random((n, 1)) < 0.5, rng.uniform(0.8, 1.2, (n, 1)), nearly)
-    return center_a, axes_a, half_a, center_a + way * distance, axes_b, half_b
+    return center_a, axes_a, half_a, center_a + direction * distance, axes_b, half_b
 
 
 def nudged(rng: Generator, *arrays: Floats) -> Pairs:
-    """Every number up, down or left by one ulp; 0 becomes the smallest number there is, of either sign."""
+    """Each number moved by -1, 0 or 1 ulp; 0 becomes the smallest subnormal number of either sign."""
     return tuple(np.nextafter(x, x + rng.integers(-1, 2, x.shape)) for x in arrays)  # type: ignore[return-value]
 
 
@@ -171,9 +172,9 @@ def mixed(rng: Generator, n: int, *families: Callable[[Generator, int], Pairs]) 
     return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))  # type: ignore[return-value]
 
 
-def _farthest(rng: Generator, axes: Floats, half: Floats, way: Floats) -> Floats:
-    """A point of the box at the origin that is farthest along `way`: a corner, or one on an edge or face of these."""
-    side = np.sign(np.einsum("nij,nj->ni", axes, way))
+def _farthest(rng: Generator, axes: Floats, half: Floats, direction: Floats) -> Floats:
+    """A farthest point of the box at the origin along `direction`: a corner, or a point of such an edge or face."""
+    side = np.sign(np.einsum("nij,nj->ni", axes, direction))
     anywhere = rng.integers(-8, 9, side.shape) / 8.0
     point: Floats = np.einsum("ni,nij->nj", np.where(side == 0, anywhere, side) * half, axes)
     return point

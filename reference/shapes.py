@@ -1,4 +1,4 @@
-"""Meshes for the tests: vertices (v, 3) and faces (f, 3)."""
+"""Closed meshes for tests, as vertices (v, 3) in m and faces (f, 3) of vertex indices."""
 
 from pathlib import Path
 
@@ -6,7 +6,10 @@ import numpy as np
 
 
 def ball(rows: int = 22, columns: int = 46, bumps: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Closed, about the origin, of radius about 1: 2 (rows - 1) columns triangles."""
+    """A closed mesh of about a unit sphere about the origin: 2 (rows - 1) columns triangles.
+
+    bumps: relative height of the bumps that make it concave.
+    """
     theta, phi = np.linspace(0, np.pi, rows + 1)[1:-1], np.linspace(0, 2 * np.pi, columns, endpoint=False)
     t, p = (grid.ravel() for grid in np.meshgrid(theta, phi, indexing="ij"))
     vertices = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], 1)
@@ -31,10 +34,10 @@ def block(x: float, y: float, z: float) -> tuple[np.ndarray, np.ndarray]:
     return vertices, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
 
 
-def write_box(path: Path, size: tuple[float, float, float], middle: float) -> None:
-    """An OBJ file of twelve triangles."""
+def write_box(path: Path, size: tuple[float, float, float], center_z: float) -> None:
+    """Writes an OBJ file of a box of 12 triangles; size: edge lengths in m, center_z: height of its center."""
     x, y, z = (side / 2 for side in size)
-    corners = [(sx * x, sy * y, sz * z + middle) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
+    corners = [(sx * x, sy * y, sz * z + center_z) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
     quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
     lines = [f"v {a!r} {b!r} {c!r}" for a, b, c in corners]
     lines += [f"f {a} {b} {c}\nf {a} {c} {d}" for a, b, c, d in quads]

@@ -1,6 +1,7 @@
-"""Separating axes in float64 with nothing done about rounding: what the pictures hold against the exact answer.
+"""Separating axis tests in plain float64, without any treatment of rounding, to compare with the exact answers.
 
-Touching counts as a hit. All take n pairs and return (n,). Sums are written out, so that they round alike everywhere.
+Touching counts as a hit. All functions take n pairs and return (n,). Sums are written out, so that every platform
+rounds them alike.
 """
 
 import numpy as np
@@ -10,12 +11,14 @@ from drone_engine.arrays import Booleans, Floats
 NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
-def boxes(centre_a: Floats, axes_a: Floats, half_a: Floats,
-          centre_b: Floats, axes_b: Floats, half_b: Floats, *, epsilon: float = 0.0) -> Booleans:
-    """Centres and half extents (n, 3), axes (n, 3, 3), one a row: the fifteen tests of Gottschalk et al. 1996, who
-    add `epsilon` to each product of axes for the sake of parallel ones."""
+def boxes(center_a: Floats, axes_a: Floats, half_a: Floats,
+          center_b: Floats, axes_b: Floats, half_b: Floats, *, epsilon: float = 0.0) -> Booleans:
+    """The fifteen box tests of Gottschalk et al. 1996: centers and half extents (n, 3), axes (n, 3, 3), one per row.
+
+    epsilon: added to each product of axes, as there, to cover parallel axes.
+    """
     turn = dot(axes_a[:, :, None], axes_b[:, None])
-    away = dot(axes_a, (centre_b - centre_a)[:, None])
+    away = dot(axes_a, (center_b - center_a)[:, None])
     size = np.abs(turn) + epsilon
     apart = (np.abs(away) > half_a + dot(size, half_b[:, None])).any(axis=1)
     back, size_back = turn.swapaxes(1, 2), size.swapaxes(1, 2)
@@ -30,7 +33,7 @@ def boxes(centre_a: Floats, axes_a: Floats, half_a: Floats,
 
 
 def triangles(a: Floats, b: Floats) -> Booleans:
-    """Corners (n, 3, 3), one a row: both normals, nine edges by edges, and the edges' normals in each plane."""
+    """Corners (n, 3, 3), one per row: both normals, nine cross products of edges, in-plane edge normals."""
     edges_a, edges_b = (np.roll(t, -1, axis=1) - t for t in (a, b))
     normal_a, normal_b = (np.cross(edges[:, 0], edges[:, 1]) for edges in (edges_a, edges_b))
     axes = [normal_a, normal_b]
@@ -45,5 +48,5 @@ def triangles(a: Floats, b: Floats) -> Booleans:
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """Products along the last axis, the three summed from the left."""
+    """Dot products along the last axis (length 3), summed from the left."""
     return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])

@@ -1,4 +1,7 @@
-"""Pairs of triangles that rounding gets wrong: a family makes n of them, (n, 3, 3) twice, from a seeded generator."""
+"""Families of triangle pairs near touch, for which floating-point tests are often wrong.
+
+A family makes n pairs from a seeded generator: two arrays of corners (n, 3, 3), one corner per row.
+"""
 
 from collections.abc import Callable
 
@@ -9,18 +12,18 @@ from drone_engine.arrays import Floats, Integers
 
 Pairs = tuple[Floats, Floats]
 
-MOVED = np.array([1e6, -1e6, 1e6])  # m
+FAR = np.array([1e6, -1e6, 1e6])  # m
 
 
 def near_contact(rng: Generator, n: int) -> Pairs:
-    """Two random triangles, a point or a corner of one near a point of the other."""
+    """Two random triangles, with a point or a corner of one near a point of the other."""
     a, b = rng.normal(size=(2, n, 3, 3))
     at_a, at_b = _weights(rng, n) @ a, np.where(rng.random((n, 1, 1)) < 0.6, b[:, :1], _weights(rng, n) @ b)
     return a, b + (at_a - at_b) + rng.normal(size=(n, 1, 3)) * rng.choice([1e-9, 1e-3, 0.3], (n, 1, 1))
 
 
 def touching(rng: Generator, n: int) -> Pairs:
-    """A point of a rounded, put on an edge, on a corner or inside of b, then up to 2 ulp on every number."""
+    """A rounded point of a on an edge, a corner or the interior of b, then up to 2 ulp on each number."""
     a, b = near_contact(rng, n)
     pick = rng.integers(0, 3, n)
     weights = np.where(rng.random((n, 3)) < 0.4, 0.0, rng.random((n, 3))) + 1e-300
@@ -31,9 +34,9 @@ def touching(rng: Generator, n: int) -> Pairs:
 
 
 def coplanar(rng: Generator, n: int) -> Pairs:
-    """Both in one plane: exactly (a coordinate equal, or a sum of coordinates 0), or as near as rounding allows."""
+    """Both in one plane: exactly (equal coordinates, or a coordinate sum of 0), or up to rounding."""
     a, b = rng.normal(size=(2, n, 3, 3))
-    b *= rng.choice([0.1, 1.0, 5.0], (n, 1, 1))  # some lie inside the other
+    b *= rng.choice([0.1, 1.0, 5.0], (n, 1, 1))  # some triangles lie inside the other
     flat = rng.integers(0, 3, n)
     a[np.arange(n), :, flat] = b[np.arange(n), :, flat] = rng.normal(size=(n, 1))
     on_grid = rng.integers(-8, 9, (2, n, 3, 3)) / 8.0
@@ -45,7 +48,7 @@ def coplanar(rng: Generator, n: int) -> Pairs:
 
 
 def sharing_edge(rng: Generator, n: int) -> Pairs:
-    """Two corners are common, or the edge of one lies along that of the other up to rounding."""
+    """Two common corners, or an edge of one along an edge of the other up to rounding."""
     a, b = rng.normal(size=(2, n, 3, 3))
     ends = rng.uniform(-0.5, 1.5, (n, 2, 1))
     along = a[:, :1] + ends * (a[:, 1:2] - a[:, :1])
@@ -54,7 +57,7 @@ def sharing_edge(rng: Generator, n: int) -> Pairs:
 
 
 def sharing_vertex(rng: Generator, n: int) -> Pairs:
-    """A corner is common, or as common as one ulp leaves it."""
+    """A common corner, exactly or within one ulp."""
     a, b = rng.normal(size=(2, n, 3, 3))
     b[:, 0] = a[:, 0]
     b = np.where(rng.random((n, 1, 1)) < 0.5, nudged(rng, b, 1), b)
@@ -62,7 +65,7 @@ def sharing_vertex(rng: Generator, n: int) -> Pairs:
 
 
 def needles(rng: Generator, n: int) -> Pairs:
-    """1e8 times as long as wide, crossing each other or missing by about their width."""
+    """Triangles 1e8 times as long as wide that cross each other or miss by about their width."""
     a = _needle(rng, n)
     b = _needle(rng, n)
     at_a, at_b = _weights(rng, n) @ a, _weights(rng, n) @ b
@@ -70,34 +73,34 @@ def needles(rng: Generator, n: int) -> Pairs:
 
 
 def zero_area(rng: Generator, n: int) -> Pairs:
-    """One or both are segments or points: corners twice, or on one line, exactly or up to rounding."""
+    """One or both are segments or points: repeated or collinear corners, exactly or up to rounding."""
     a, b = near_contact(rng, n)
     return _flattened(rng, a), np.where(rng.random((n, 1, 1)) < 0.5, _flattened(rng, b), b)
 
 
 def duplicates(rng: Generator, n: int) -> Pairs:
-    """The same triangle twice, its corners in another order, on half of them moved by an ulp."""
+    """The same triangle twice with permuted corners; in half of the pairs moved by an ulp."""
     a = rng.normal(size=(n, 3, 3))
     b = _shuffled(rng, a)
     return a, np.where(rng.random((n, 1, 1)) < 0.5, nudged(rng, b, 1), b)
 
 
 def moved_far(rng: Generator, n: int) -> Pairs:
-    """Pairs of the other families, a million metres away: what is left of their digits decides."""
+    """Pairs of other families moved by 1e6 m; the remaining digits decide."""
     parts = [make(rng, n // 4 + 1) for make in (near_contact, touching, sharing_edge, coplanar)]
     pick = rng.permutation(4 * (n // 4 + 1))[:n]
-    return (np.concatenate([a for a, _ in parts])[pick] + MOVED, np.concatenate([b for _, b in parts])[pick] + MOVED)
+    return (np.concatenate([a for a, _ in parts])[pick] + FAR, np.concatenate([b for _, b in parts])[pick] + FAR)
 
 
 def on_a_grid(rng: Generator, n: int) -> Pairs:
-    """Corners with small whole coordinates: touches of every kind, all exact."""
+    """Small integer coordinates: touches of every kind, all exact."""
     size = rng.integers(1, 5, (n, 1, 1))
     return (rng.integers(-size, size + 1, (n, 3, 3)).astype(np.float64),
             rng.integers(-size, size + 1, (n, 3, 3)).astype(np.float64))
 
 
 def tiny_and_huge(rng: Generator, n: int) -> Pairs:
-    """Other families scaled to subnormals, to 1e-100, 1e100 and 1e307, or each axis by a scale of its own."""
+    """Other families scaled to subnormal numbers, to 1e-100, 1e100 and 1e307, or by a different scale per axis."""
     parts = [make(rng, n // 4 + 1) for make in (near_contact, touching, coplanar, on_a_grid)]
     pick = rng.permutation(4 * (n // 4 + 1))[:n]
     a, b = (np.concatenate([part[k] for part in parts])[pick] for k in (0, 1))
@@ -113,17 +116,17 @@ FAMILIES: dict[str, Callable[[Generator, int], Pairs]] = {
 }
 
 
-def nudged(rng: Generator, corners: Floats, most: int) -> Floats:
-    """Every number up or down by up to `most` steps of float64."""
-    steps: Integers = rng.integers(-most, most + 1, corners.shape)
-    for _ in range(most):
+def nudged(rng: Generator, corners: Floats, largest: int) -> Floats:
+    """Each number moved by up to `largest` steps of float64 in either direction."""
+    steps: Integers = rng.integers(-largest, largest + 1, corners.shape)
+    for _ in range(largest):
         corners = np.where(steps == 0, corners, np.nextafter(corners, np.copysign(np.inf, steps)))
         steps -= np.sign(steps)
     return corners
 
 
 def _weights(rng: Generator, n: int) -> Floats:
-    """(n, 1, 3), weights of the corners of a point of a triangle."""
+    """Barycentric weights (n, 1, 3) of random points of triangles."""
     return rng.dirichlet([1.0, 1.0, 1.0], (n, 1))
 
 

@@ -1,7 +1,7 @@
-"""Whether two triangles share a point, in rational arithmetic, by linear programming.
+"""Exact intersection test of two triangles by linear programming over the integers.
 
-It knows no orientation, no plane and no case: the triangles meet if and only if weights u, v >= 0 with sum 1 each exist
-for which the corners' means agree, sum u_i a_i = sum v_i b_i.
+It uses no orientation test, plane or case distinction: the triangles intersect if and only if weights u, v >= 0, each
+with sum 1, exist such that sum u_i a_i = sum v_i b_i over the corners a_i and b_i.
 """
 
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ from collections.abc import Sequence
 Triangle = Sequence[Sequence[float]]
 
 
-def meet(a: Triangle, b: Triangle) -> bool:
-    """Exact for the float64 corners given; a corner a row."""
+def intersects(a: Triangle, b: Triangle) -> bool:
+    """Whether two closed triangles have a common point, exact for float64 corners; one corner per row."""
     ratios = [float(x).as_integer_ratio() for row in (*a, *b) for x in row]
-    unit = max(denominator for _, denominator in ratios)  # all are powers of two, so this is a multiple of each
+    unit = max(denominator for _, denominator in ratios)  # all are powers of two, so it is a multiple of each
     whole = [numerator * (unit // denominator) for numerator, denominator in ratios]
     rows = [[whole[axis], whole[3 + axis], whole[6 + axis], -whole[9 + axis], -whole[12 + axis], -whole[15 + axis], 0]
             for axis in range(3)]
@@ -20,13 +20,13 @@ def meet(a: Triangle, b: Triangle) -> bool:
 
 
 def feasible(rows: list[list[int]]) -> bool:
-    """Whether x >= 0 exists that solves the equations; a row holds the coefficients and the right side, which is >= 0.
+    """Whether a solution x >= 0 of the linear equations exists; a row holds the coefficients and the right side (>= 0).
 
-    The first phase of the simplex method, integers throughout (Edmonds' pivots: entries over one common divisor),
-    with Bland's rule, so that it ends whatever the input.
+    First phase of the simplex method in integers (Edmonds' pivots: all entries over one common divisor). Bland's rule
+    ensures termination for any input.
     """
     columns = len(rows[0]) - 1
-    basis = [columns + i for i in range(len(rows))]  # one artificial variable a row; their sum is to become 0
+    basis = [columns + i for i in range(len(rows))]  # one artificial variable per row; minimizes their sum
     cost = [-sum(column) for column in zip(*rows, strict=True)]
     divisor = 1
     while cost[-1] != 0:

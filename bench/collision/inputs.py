@@ -10,7 +10,7 @@ from drone_engine.arrays import Floats, Integers
 
 
 class Boxes(NamedTuple):
-    """n boxes: centre (n, 3) m, axes (n, 3, 3) one a row, half extents (n, 3) m."""
+    """n boxes: center (n, 3) m, axes (n, 3, 3) one a row, half extents (n, 3) m."""
 
     center: Floats
     axes: Floats
@@ -93,6 +93,6 @@ def frame(n: int) -> Frame:
     half = 0.1 * 10 ** rng.uniform(0, 1, (n, 1)) * rng.uniform(0.7, 1.3, (n, 3))
     i, j = rng.integers(0, n, (2, 200_000))
     side = np.cbrt(n / 4 * np.prod(2 * (half[i] + half[j]), axis=1).mean())
-    centre = rng.uniform(0, side, (n, 3))
-    moved = centre + rng.normal(0, 0.02, (n, 3))
-    return Frame(centre - half, centre + half, moved - half, moved + half)
+    center = rng.uniform(0, side, (n, 3))
+    moved = center + rng.normal(0, 0.02, (n, 3))
+    return Frame(center - half, center + half, moved - half, moved + half)

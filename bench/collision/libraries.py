@@ -52,10 +52,10 @@ def boxes(a: Boxes, b: Boxes, most: int = 0) -> dict[str, Counts]:
     """Box against box, in pairs."""
     both = [a, b]
     shapes = [[coal.Box(*side) for side in 2 * box.half] for box in both]
-    places = [[coal.Transform3s(turn.T, centre) for turn, centre in zip(box.axes, box.center, strict=True)]
+    places = [[coal.Transform3s(turn.T, center) for turn, center in zip(box.axes, box.center, strict=True)]
               for box in both]
-    objects = [[fcl.CollisionObject(fcl.Box(*side), fcl.Transform(turn.T, centre))
-                for side, turn, centre in zip(2 * box.half, box.axes, box.center, strict=True)] for box in both]
+    objects = [[fcl.CollisionObject(fcl.Box(*side), fcl.Transform(turn.T, center))
+                for side, turn, center in zip(2 * box.half, box.axes, box.center, strict=True)] for box in both]
     return {"coal": _collide_coal(shapes[0], places[0], shapes[1], places[1], most),
             "fcl": _collide_fcl(objects[0], objects[1], most)}
 
@@ -85,8 +85,8 @@ def meshes(mesh: Mesh, poses_a: Floats, poses_b: Floats, most: int = 0) -> dict[
     """A mesh against itself, at poses (n, 7)."""
     model, shape = _coal_model(mesh), _fcl_model(mesh)
     both = [(matrices(poses[:, 3:]), poses[:, :3]) for poses in (poses_a, poses_b)]
-    places = [[coal.Transform3s(turn, centre) for turn, centre in zip(*pose, strict=True)] for pose in both]
-    objects = [[fcl.CollisionObject(shape, fcl.Transform(turn, centre)) for turn, centre in zip(*pose, strict=True)]
+    places = [[coal.Transform3s(turn, center) for turn, center in zip(*pose, strict=True)] for pose in both]
+    objects = [[fcl.CollisionObject(shape, fcl.Transform(turn, center)) for turn, center in zip(*pose, strict=True)]
                for pose in both]
     models = [model] * len(poses_a)
     return {"coal": _collide_coal(models, places[0], models, places[1], most),
@@ -107,10 +107,10 @@ def triangles(a: Floats, b: Floats) -> dict[str, Counts]:
 
 def frames(scene: Frame) -> dict[str, Callable[[], int]]:
     """Moves every box to the other moment, renews the tree, finds all pairs and returns how many there are."""
-    centres = [(scene.low + scene.high) / 2, (scene.low_next + scene.high_next) / 2]
+    centers = [(scene.low + scene.high) / 2, (scene.low_next + scene.high_next) / 2]
     sides = scene.high - scene.low
     boxes_coal = [coal.CollisionObject(coal.Box(*side), coal.Transform3s(np.eye(3), at))
-                  for side, at in zip(sides, centres[0], strict=True)]
+                  for side, at in zip(sides, centers[0], strict=True)]
     tree = coal.DynamicAABBTreeCollisionManager()
     for box in boxes_coal:
         box.computeAABB()
@@ -118,7 +118,7 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
     tree.setup()
     collect = coal.CollisionCallBackCollect(40 * len(sides) + 100)
     boxes_fcl = [fcl.CollisionObject(fcl.Box(*side), fcl.Transform(np.eye(3), at))
-                 for side, at in zip(sides, centres[0], strict=True)]
+                 for side, at in zip(sides, centers[0], strict=True)]
     tree_fcl = fcl.DynamicAABBTreeCollisionManager()
     tree_fcl.registerObjects(boxes_fcl)
     tree_fcl.setup()
@@ -126,7 +126,7 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
 
     def frame_coal() -> int:
         moment["coal"] ^= 1
-        for box, at in zip(boxes_coal, centres[moment["coal"]], strict=True):
+        for box, at in zip(boxes_coal, centers[moment["coal"]], strict=True):
             box.setTranslation(at)
             box.computeAABB()
         tree.update()
@@ -136,7 +136,7 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
 
     def frame_fcl() -> int:
         moment["fcl"] ^= 1
-        for box, at in zip(boxes_fcl, centres[moment["fcl"]], strict=True):
+        for box, at in zip(boxes_fcl, centers[moment["fcl"]], strict=True):
             box.setTranslation(at)
         tree_fcl.update()
         calls = count()

@@ -66,7 +66,7 @@ def rows(count: int) -> Iterator[Row]:
 
 
 def _triangles_meet(a: Floats, b: Floats) -> Booleans:
-    return np.array([triangle_oracle.meet(x, y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
+    return np.array([triangle_oracle.intersects(x, y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
 
 
 def _row(work: str, truth: Booleans, ours: Booleans, answers: dict[str, Booleans]) -> Row:

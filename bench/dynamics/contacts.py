@@ -54,7 +54,7 @@ class Rates(NamedTuple):
 def heap_rows(movable: int, size: Size) -> Iterator[Row]:
     """Falling and resting, and how well."""
     boxes = Boxes(heap(movable), 0.0, FRICTION)
-    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS, passes=PASSES)), MuJoCo(boxes, RATE),
+    engines: list[Engine] = [Ours(boxes, Setting(RATE, SUBSTEPS, iterations=PASSES)), MuJoCo(boxes, RATE),
                              MuJoCo(boxes, RATE, "CG"), PyBullet(boxes, RATE)]
     work = f"150 static and {movable:,} movable boxes"
     start = engines[0].energy()

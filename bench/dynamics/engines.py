@@ -11,7 +11,7 @@ import pybullet
 
 from drone_engine.arrays import Floats
 from drone_engine.math.rotation import from_rpy, inverse, rotate_all
-from reference.box_world import Box, G, Setting, depth, energy, fastest, world_of
+from reference.box_world import Box, G, Setting, depth, energy, highest_speed, world_of
 
 ROOM = 4 << 30  # bytes that MuJoCo may take for contacts
 STIFFNESS = 0.5  # of MuJoCo's contacts that give speed back: their frequency in rad a step
@@ -86,7 +86,7 @@ class Ours:
         return energy(self.world)
 
     def fastest(self) -> float:
-        return fastest(self.world)
+        return highest_speed(self.world)
 
     def close(self) -> None:
         """Nothing to give back."""

@@ -16,7 +16,7 @@ SEED = 5
 
 
 def heap(movable: int) -> dict[str, Box]:
-    """The movable boxes, in layers two metres over the floor and more, then those that stand on it."""
+    """The movable boxes, in layers two meters over the floor and more, then those that stand on it."""
     rng = np.random.default_rng(SEED)
     sites = np.stack(np.meshgrid(np.arange(15), np.arange(10)), -1).reshape(-1, 2)[:STATIC]
     static_half = rng.uniform(0.2, 0.8, (STATIC, 3))

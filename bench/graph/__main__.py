@@ -124,7 +124,7 @@ def measure(scene: str, camera: str, seconds: float, runs: int) -> list[Row]:
     for run in range(runs):
         start, heard, cpu = fly(scene, seconds, camera, 10 + run)
         if min(heard.spreads) < 10.0:
-            raise SystemExit("a frame was of one colour: these are no pictures")
+            raise SystemExit("a frame was of one color: these are no pictures")
         window = [(wall, stamp) for wall, stamp in heard.poses if stamp >= WARM_UP]
         wall = window[-1][0] - window[0][0]
         stamps = {round(stamp * 60) for _, stamp in heard.frames if stamp >= WARM_UP}

@@ -52,7 +52,7 @@ def boxes(family: str, chunk: int, count: int) -> tuple[int, int]:
 def triangles(family: str, chunk: int, count: int) -> tuple[int, int]:
     """Likewise; the corners of the second answer come in another order, too."""
     a, b = triangle_families.FAMILIES[family](_random(family, chunk), count)
-    truth = np.array(list(starmap(triangle_oracle.meet, zip(a.tolist(), b.tolist(), strict=True))))
+    truth = np.array(list(starmap(triangle_oracle.intersects, zip(a.tolist(), b.tolist(), strict=True))))
     return len(truth), _wrong(truth, triangle.intersects(a, b),
                               triangle.intersects(np.roll(b, 1, axis=1).copy(), a[:, ::-1].copy()))
 

@@ -1,4 +1,4 @@
-"""The part of the gallery of hard cases that tells of motion, written from what the cases have reached."""
+"""The part of the gallery of hard cases that describes motion, written from the measured numbers."""
 
 from pathlib import Path
 from textwrap import fill
@@ -7,37 +7,36 @@ from typing import Any
 LINE = 120  # characters
 HEADING = "## Motion"
 INTRODUCTION = """
-What a body does over minutes hangs on what an integrator and a solver get wrong in a step. Each case runs as a scene,
-in the settings that its table names, and is held to its number: by the tests (`test/hard_cases/test_motion_*.py`), and
-in full length by `make hard-cases`, which writes these numbers and draws the plots. A run that misses its number stands
-here as a known failure until it does not."""
+Over minutes, the errors that the integrator and the solver make in each step accumulate. Each case is a scene, runs in
+the settings of its table, and has a limit for each measured number. The tests check these limits
+(`test/hard_cases/test_motion_*.py`); `make hard-cases` runs the cases in full length, writes the numbers below and
+draws the plots. A run that exceeds a limit is listed as a known failure."""
 
 
 def gallery(page: Path, cases: dict[str, Any]) -> None:
-    """Writes everything from the heading on anew; what stands above it stays."""
+    """Rewrites the page from the heading on; the text above it stays. cases: as in motion.json."""
     text = page.read_text()
     above = text[: text.index(f"\n{HEADING}\n")] if f"\n{HEADING}\n" in text else text.rstrip() + "\n"
     parts = [above.rstrip(), HEADING, fill(" ".join(INTRODUCTION.split()), LINE), summary(cases)]
     for name, case in cases.items():
-        parts.append(f"### {case['title']}\n{_fill(case['tries'])}\nHeld to: {case['held_to']}.")
+        parts.append(f"### {case['title']}\n{_fill(case['tries'])}\nCriterion: {case['held_to']}.")
         parts.append(f"![{case['title']}](motion_{name}.png)")
         parts.append(table(case["runs"]))
     page.write_text("\n\n".join(parts) + "\n")
 
 
 def summary(cases: dict[str, Any]) -> str:
-    """How many hold, and which do not."""
+    """How many runs meet their limits, and the list of those that do not."""
     runs = [(case["title"], run) for case in cases.values() for run in case["runs"]]
     failed = [f"- **{title}**, {run['setting']}" + (f": {run['known']}" if run["known"] else "")
               for title, run in runs if not _met(run)]
-    held = f"{len(runs) - len(failed)} of {len(runs)} runs hold to their numbers."
-    return "\n".join([held + (" Known failures:" if failed else ""), *failed])
+    passed = f"{len(runs) - len(failed)} of {len(runs)} runs meet their limits."
+    return "\n".join([passed + (" Known failures:" if failed else ""), *failed])
 
 
 def table(runs: list[dict[str, Any]]) -> str:
-    """What each setting reached."""
-    names = [one["what"] for one in runs[0]["reached"]]
-    names += [one["what"] for run in runs[1:] for one in run["reached"] if one["what"] not in names]
+    """A Markdown table of the measured numbers, one row per setting."""
+    names = list(dict.fromkeys(one["what"] for run in runs for one in run["reached"]))
     lines = [f"| | {' | '.join(names)} |", "|---|" + "--:|" * len(names)]
     for run in runs:
         found = {one["what"]: one for one in run["reached"]}

@@ -47,7 +47,7 @@ def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictu
     """Pictures per second, and what smooth edges cost."""
     for worker in workers.values():
         if worker.ask(size=size) < 10.0:
-            raise SystemExit(f"{worker.name} draws a picture of one colour")
+            raise SystemExit(f"{worker.name} draws a picture of one color")
         worker.draw(3, 0)
     taken: dict[str, list[tuple[float, float]]] = {name: [] for name in workers}
     for k in range(rounds):

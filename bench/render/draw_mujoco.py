@@ -34,7 +34,7 @@ class Drawer:
         balls = [(f"ball_{k}", *ball) for k, ball in enumerate(scenery.balls())]
         assets = {"hill.obj": scenery.obj(scenery.hill()).encode(), "ball.obj": scenery.obj(scenery.ball()).encode()}
         for k, name in enumerate(["hill", *(name for name, _, _ in balls)]):
-            assets[f"{name}.png"] = _png(scenery.colours(k - 1 if k else None))
+            assets[f"{name}.png"] = _png(scenery.colors(k - 1 if k else None))
         lights = SUN.format(*-scenery.SUN) + "".join(
             LAMP.format(*place, fall=scenery.REACH**-2, share=scenery.LAMP_SHARE) for place in scenery.LAMPS[:2])
         text = MODEL.format(

@@ -38,7 +38,7 @@ def write(folder: Path, antialiasing: bool = False) -> Path:
         (folder / "models" / f"{name}.obj").write_text(scenery.obj(mesh, f"{name}.mtl", scale))
         paint = PAINT.format(scenery.SPECULAR, scenery.SHININESS, name)
         (folder / "models" / f"{name}.mtl").write_text(paint)
-        scenery.save(scenery.colours(number), folder / "textures" / f"{name}.png")
+        scenery.save(scenery.colors(number), folder / "textures" / f"{name}.png")
         scenery.save(scenery.bumps(number), folder / "textures" / f"{name}_normal.png")
     objects = ["  hill: {model: hill, static: true}"]
     objects += [f"  ball_{k}: {{model: ball_{k}, static: true, pose: {list(map(float, ball.position))}}}"

@@ -1,4 +1,4 @@
-"""Panda3D in bench.render: without a GPU through EGL, or by its own software rasteriser; lights at the vertices."""
+"""Panda3D in bench.render: without a GPU through EGL, or by its own software rasterizer; lights at the vertices."""
 
 from collections.abc import Callable
 
@@ -19,7 +19,7 @@ class Drawer:
         core.load_prc_file_data("", f"load-display {PIPES[mode]}\n{SETTINGS}")
         from direct.showbase.ShowBase import ShowBase  # reads the settings when it is imported
 
-        self.about = "3 lights, per vertex, " + ("its own rasteriser" if mode == "tiny" else "fixed function")
+        self.about = "3 lights, per vertex, " + ("its own rasterizer" if mode == "tiny" else "fixed function")
         self._base = ShowBase(windowType="none")
         self._base.makeDefaultPipe()
         root = self._base.render
@@ -61,7 +61,7 @@ class Drawer:
         return node
 
     def _texture(self, number: int | None) -> core.Texture:
-        image = scenery.colours(number)
+        image = scenery.colors(number)
         texture = core.Texture()
         texture.setup_2d_texture(image.shape[1], image.shape[0], core.Texture.T_unsigned_byte, core.Texture.F_rgb)
         texture.set_ram_image(np.ascontiguousarray(image[::-1, :, ::-1]).tobytes())

@@ -24,7 +24,7 @@ void main() {
     gl_Position = clip * w;
 }"""
 FRAGMENT = """#version 330
-uniform sampler2D colours; uniform sampler2D bumps;
+uniform sampler2D colors; uniform sampler2D bumps;
 uniform vec3 sun; uniform vec3 lamps[3]; uniform vec3 eye;
 uniform float ambient; uniform vec2 shares; uniform float reach; uniform float specular; uniform float shininess;
 in vec3 world; in vec3 normal; in vec3 tangent; in vec2 uv;
@@ -44,7 +44,7 @@ void main() {
         diffuse += share * max(dot(n, l), 0);
         gloss += share * pow(max(dot(n, normalize(v + l)), 0), shininess);
     }
-    pixel = texture(colours, uv).rgb * diffuse + specular * gloss;
+    pixel = texture(colors, uv).rgb * diffuse + specular * gloss;
 }"""
 
 
@@ -79,7 +79,7 @@ class Drawer:
 
     def _maps(self, number: int | None) -> list[moderngl.Texture]:
         textures = []
-        for image in (scenery.colours(number), scenery.bumps(number)):
+        for image in (scenery.colors(number), scenery.bumps(number)):
             texture = self._context.texture(image.shape[1::-1], 3, np.ascontiguousarray(image[::-1]).tobytes())
             texture.build_mipmaps()
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR

@@ -13,7 +13,7 @@ from bench.render.scene import Bytes
 
 
 class Drawer:
-    """Colour and depth; it always computes both."""
+    """Color and depth; it always computes both."""
 
     def __init__(self, mode: str) -> None:
         pybullet.connect(pybullet.DIRECT)
@@ -23,7 +23,7 @@ class Drawer:
             plugin = importlib.util.find_spec("eglRenderer")
             if plugin is None or plugin.origin is None or pybullet.loadPlugin(plugin.origin, "_eglRendererPlugin") < 0:
                 raise RuntimeError("its EGL plugin does not load")
-        self.about = f"1 light, colour and depth, {'EGL' if mode == 'egl' else 'its own rasteriser'}"
+        self.about = f"1 light, color and depth, {'EGL' if mode == 'egl' else 'its own rasterizer'}"
         with tempfile.TemporaryDirectory() as folder:
             self._add(Path(folder), scenery.hill(), None, (0.0, 0.0, 0.0), 1.0)
             for k, (position, scale) in enumerate(scenery.balls()):
@@ -33,7 +33,7 @@ class Drawer:
              scale: float) -> None:
         model, texture = folder / f"{number}.obj", folder / f"{number}.png"
         model.write_text(scenery.obj(mesh))
-        scenery.save(scenery.colours(number), texture)
+        scenery.save(scenery.colors(number), texture)
         shape = pybullet.createVisualShape(pybullet.GEOM_MESH, fileName=str(model), meshScale=[scale] * 3)
         body = pybullet.createMultiBody(0, -1, shape, basePosition=position)
         pybullet.changeVisualShape(body, -1, textureUniqueId=pybullet.loadTexture(str(texture)), rgbaColor=[1] * 4)

@@ -45,7 +45,7 @@ class Camera:
             self._renderer.draw(name, self._renderer.hierarchy.start, self._count / 60, picture)
 
     def spread(self) -> float:
-        """How far the pixels of the last pictures are from one grey, at least."""
+        """How far the pixels of the last pictures are from one gray, at least."""
         return min(float(np.frombuffer(picture.pixels(), np.uint8).std()) for picture in self._pictures.values())
 
     @property
@@ -70,7 +70,7 @@ class Debug(Camera):
 
 
 class Ranges(Camera):
-    """Depths and labels instead of colours."""
+    """Depths and labels instead of colors."""
 
     def __init__(self, scene: Scene, graphics: Any) -> None:
         super().__init__(scene, graphics)
@@ -113,7 +113,7 @@ def rows(rounds: int) -> Iterator[Row]:
     wall, cpu = _measure(cameras, rounds)
     for name, camera in cameras.items():
         if camera.spread() < 4.0:
-            raise SystemExit(f"island, {name}: a picture of one colour")
+            raise SystemExit(f"island, {name}: a picture of one color")
     usual = {name: statistics.median(times) for name, times in cpu.items()}
     rate = 1e3 / statistics.median(wall["everything"])
     yield Row("island, 640x480, everything on, alone", "1/s", rate, "80", rate >= 80.0,

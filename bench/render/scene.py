@@ -95,7 +95,7 @@ def balls() -> list[Ball]:
                  rng.uniform(0.9, 1.8)) for x, y in places]
 
 
-def colours(number: int | None) -> Bytes:
+def colors(number: int | None) -> Bytes:
     """The texture, (n, n, 3), of a ball by its number, or of the hill; the first row is the top."""
     n, seed = (1024, 10) if number is None else (256, 100 + number)
     rng = np.random.default_rng(seed)
@@ -105,7 +105,7 @@ def colours(number: int | None) -> Bytes:
 
 
 def bumps(number: int | None) -> Bytes:
-    """The normal map that goes with `colours`: tangent space, red to the right, green up."""
+    """The normal map that goes with `colors`: tangent space, red to the right, green up."""
     n, seed = (1024, 11) if number is None else (256, 200 + number)
     relief = n / 40 * _noise(np.random.default_rng(seed), n, (n // 16, n // 8))
     right = (np.roll(relief, -1, axis=1) - np.roll(relief, 1, axis=1)) / 2

@@ -15,10 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from figures import DOCS, style
-from figures.style import GREY, length, number, tidy
+from figures.style import GRAY, length, number, tidy
 
 OUT = DOCS / "accuracy"
-COLOURS = {"sphere": "#efa22f", "obb": "#d1495b", "octree": "#7d5ba6", "triangle": "#2f6db3"}
+COLORS = {"sphere": "#efa22f", "obb": "#d1495b", "octree": "#7d5ba6", "triangle": "#2f6db3"}
 SAMPLES = {"flights": "poses from flights", "random": "random poses near touch"}
 LEFT, RIGHT = (0.075, 0.125, 0.405, 0.63), (0.575, 0.125, 0.405, 0.63)
 HALO = [withStroke(linewidth=3.5, foreground="white", alpha=0.85)]
@@ -35,22 +35,22 @@ def panel(figure: Figure, place: style.Place, samples: dict[str, Any], cost: str
     low, high = min(x for x, _ in points.values()), max(x for x, _ in points.values())
     axes.set_xlim(low / 1.9, high * 1.9)
     axes.axhspan(floor * 0.55, floor * 1.75, color="#eef3f9", zorder=0)
-    axes.text(low / 1.75, floor, none, va="center", fontsize=8.5, color=COLOURS["triangle"], fontweight="bold")
+    axes.text(low / 1.75, floor, none, va="center", fontsize=8.5, color=COLORS["triangle"], fontweight="bold")
     for sample in samples:
         line = [(x, y or floor) for (s, _), (x, y) in points.items() if s == sample]
         axes.plot(*zip(*line, strict=True), color="#b9c0c9", linewidth=1.1, zorder=2,
                   linestyle="-" if sample == "flights" else (0, (4, 2.5)))
     for (sample, level), (x, y) in points.items():
-        face = COLOURS[level] if sample == "flights" else "white"
-        axes.plot(x, y or floor, "o", markersize=9.5, markerfacecolor=face, markeredgecolor=COLOURS[level],
+        face = COLORS[level] if sample == "flights" else "white"
+        axes.plot(x, y or floor, "o", markersize=9.5, markerfacecolor=face, markeredgecolor=COLORS[level],
                   markeredgewidth=2.0, zorder=4)
-    for level, colour in COLOURS.items():
+    for level, color in COLORS.items():
         spots = [(x, y or floor) for (_, name), (x, y) in points.items() if name == level]
         left = max(spots)[0] > low**0.35 * high**0.65
         x, away = (min(spots)[0], -12) if left else (max(spots)[0], 12)
         y = float(np.prod([spot[1] for spot in spots])) ** (1.0 / len(spots))
-        for words, rise, size, ink, weight in ((level, 6.0, 10.5, colour, "bold"),
-                                               (note(samples["flights"][level]), -6.5, 8.5, GREY, "normal")):
+        for words, rise, size, ink, weight in ((level, 6.0, 10.5, color, "bold"),
+                                               (note(samples["flights"][level]), -6.5, 8.5, GRAY, "normal")):
             axes.annotate(words, (x, y), xytext=(away, rise), textcoords="offset points", color=ink, fontsize=size,
                           fontweight=weight, va="center", ha="right" if left else "left", zorder=5,
                           path_effects=[] if level == "triangle" else HALO)
@@ -93,20 +93,20 @@ def models(result: dict[str, Any]) -> Figure:
                          "hollow, or slanted like a roof, pays most; the triangle level says so at the touch.")
     axes = figure.add_axes((0.12, 0.115, 0.86, 0.655))
     for y, model in enumerate(rows):
-        gaps = {level: found[model][level]["gap_mean"] for level in COLOURS if level != "triangle"}
+        gaps = {level: found[model][level]["gap_mean"] for level in COLORS if level != "triangle"}
         known = [gap for gap in gaps.values() if gap]
         axes.plot([min(known), max(known)], [y, y], color="#d5dae0", linewidth=2.2, zorder=1, solid_capstyle="round")
         for level, gap in gaps.items():
             if gap:
-                axes.plot(gap, y, "o", markersize=8, color=COLOURS[level], zorder=3)
+                axes.plot(gap, y, "o", markersize=8, color=COLORS[level], zorder=3)
     axes.set(xscale="log", ylim=(-0.7, len(rows) - 0.3))
     axes.set_yticks(range(len(rows)), [model.replace("_", " ") for model in rows])
     axes.set_xlabel("surfaces apart", fontsize=9, labelpad=2)
     tidy(axes)
     axes.xaxis.set_major_formatter(lambda value, _: length(value))
     axes.tick_params(axis="y", labelsize=9, colors=style.INK)
-    handles = [Line2D([], [], marker="o", linestyle="", color=COLOURS[level], markersize=8, label=level)
-               for level in reversed(list(COLOURS)[:3])]
+    handles = [Line2D([], [], marker="o", linestyle="", color=COLORS[level], markersize=8, label=level)
+               for level in reversed(list(COLORS)[:3])]
     figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.985, 0.985), frameon=False, fontsize=9.5,
                   ncols=3)
     return figure

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from figures import DOCS, style
-from figures.style import GREY, length, number, tidy
+from figures.style import GRAY, length, number, tidy
 
 OUT = DOCS / "accuracy"
 LINES: dict[str, dict[str, Any]] = {
@@ -85,7 +85,7 @@ def publish(axes: Axes, published: list[list[Any]]) -> None:
         axes.plot(cost, error, "x", color=style.INK, markersize=5.5, markeredgewidth=1.5, zorder=6,
                   label="published: ODE, Bullet, Simbody" if i == 0 else None)
     for text, place in (("1 ms", (60.0, 0.2)), ("0.1 ms", (550.0, 0.0011))):
-        axes.text(*place, text, fontsize=7, color=GREY, ha="center")
+        axes.text(*place, text, fontsize=7, color=GRAY, ha="center")
 
 
 def effects(result: dict[str, Any]) -> Figure:
@@ -97,7 +97,7 @@ def effects(result: dict[str, Any]) -> Figure:
     rows = np.arange(len(found))[::-1]
     panels = ((0.16, "us", "CPU time per step, µs", "#7fa8d6", lambda v: f"{v:.2f} µs" if v >= 0.05 else "< 0.05 µs"),
               (0.60, "off_m", "off without it", "#efa22f", _tell))
-    for left, key, title, colour, tell in panels:
+    for left, key, title, color, tell in panels:
         axes = figure.add_axes((left, 0.12, 0.36, 0.6))
         values = np.array([cost[key] for _, cost in found])
         if key == "off_m":
@@ -106,7 +106,7 @@ def effects(result: dict[str, Any]) -> Figure:
             axes.set_xlim(min(values) / 3, max(values) * 6)
         else:
             axes.set_xlim(0, max(values) * 1.25)
-        axes.barh(rows, np.maximum(values, 0.0), height=0.62, color=colour, zorder=3)
+        axes.barh(rows, np.maximum(values, 0.0), height=0.62, color=color, zorder=3)
         for row, (_, cost), value in zip(rows, found, values, strict=True):
             axes.annotate(tell(cost[key]), (max(value, 0.0), row), xytext=(4, 0), textcoords="offset points",
                           va="center", fontsize=8.5, color=style.INK)
@@ -119,8 +119,8 @@ def effects(result: dict[str, Any]) -> Figure:
     return figure
 
 
-def _tell(metres: float) -> str:
-    return length(metres) if metres >= 1e-3 else "nothing" if metres == 0.0 else _named(metres, "m")
+def _tell(meters: float) -> str:
+    return length(meters) if meters >= 1e-3 else "nothing" if meters == 0.0 else _named(meters, "m")
 
 
 def main() -> None:

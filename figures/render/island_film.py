@@ -26,7 +26,7 @@ from figures import DOCS
 OUT = DOCS / "figures"
 SIZE, RATE = (640, 360), 30  # pixels, pictures per s
 GIF_SIZE, GIF_EVERY, GIF_TIMES = (480, 270), 4, (130, 130, 140)  # ms, in turns: GIF counts in hundredths
-COLOURS, SAME = 96, 14  # SAME: of 255, what is no change
+COLORS, SAME = 96, 14  # SAME: of 255, what is no change
 CAMERAS = """
 takeoff: {pose: [-2.1, -2.3, 0.9, 0, -0.06, 0.68], fov: 1.2}
 behind:  {parent: user_drone, pose: [-1.7, 0, 0.55, 0, 0.16, 0], level: true, fov: 1.1}
@@ -126,8 +126,8 @@ def main() -> None:
 
 
 def _reduced(cut: list[Image.Image]) -> list[Image.Image]:
-    """The pictures of a cut in colours of its own; what hardly changes stays as it is, which GIF keeps in no space."""
-    palette = cut[len(cut) // 2].quantize(COLOURS, kmeans=2)
+    """The pictures of a cut in colors of its own; what hardly changes stays as it is, which GIF keeps in no space."""
+    palette = cut[len(cut) // 2].quantize(COLORS, kmeans=2)
     shown = np.asarray(cut[0]).astype(np.int16)
     drawn = []
     for frame in cut:

@@ -33,7 +33,7 @@ DRONE, CAMERA = "user_drone", "overview"
 TILE = (480, 270)  # pixels
 DURATION = 8.0  # s
 FLIGHT = ((0.0, 2.0, 0.0), (4.9, 2.0, -0.6), (5.9, 2.0, 0.0), (6.9, 1.2, 0.6))  # from s on: forward, up in m/s
-GIF_SIZE, GIF_EVERY, GIF_COLOURS = (720, 405), 3, 256  # pixels, pictures, of one palette
+GIF_SIZE, GIF_EVERY, GIF_COLORS = (720, 405), 3, 256  # pixels, pictures, of one palette
 FREE, TOUCHED = (24, 28, 34), (190, 40, 24)
 
 
@@ -94,11 +94,11 @@ def write_label(tile: Image.Image, level: str, touched: bool) -> None:
 
 
 def write_gif(sheets: list[Image.Image], rate: float, path: Path) -> None:
-    """A GIF in the colours of its first and last picture: one palette, so that what stands still costs nothing."""
+    """A GIF in the colors of its first and last picture: one palette, so that what stands still costs nothing."""
     both = Image.new("RGB", (GIF_SIZE[0], 2 * GIF_SIZE[1]))
     both.paste(sheets[0])
     both.paste(sheets[-1], (0, GIF_SIZE[1]))
-    palette = both.quantize(GIF_COLOURS, kmeans=4)
+    palette = both.quantize(GIF_COLORS, kmeans=4)
     frames = [sheet.quantize(palette=palette, dither=Image.Dither.NONE) for sheet in sheets]
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 / rate, loop=0)
 

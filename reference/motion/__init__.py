@@ -1,1 +1,1 @@
-"""Hard cases of motion: scenes, the numbers that they have to reach, and how these are measured."""
+"""Hard cases of motion: the scenes, the limits that they have to keep, and the measurements."""

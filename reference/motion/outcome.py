@@ -1,4 +1,4 @@
-"""What a case of motion comes to: numbers beside the limits that they are held to, and what was measured on the way."""
+"""Result of a case of motion: measured numbers with their limits, and time series for the plots."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,49 +8,53 @@ import numpy as np
 
 from drone_engine.arrays import Floats
 
-SHOWN = 200  # points of a series that a plot needs
-DIGITS = 4  # of a number in a plot
+SHOWN = 200  # points of a series in a plot
+DIGITS = 4  # significant digits of a plotted number
 
 
 @dataclass(frozen=True)
-class Reached:
-    """A number that must not exceed its limit."""
+class Criterion:
+    """A measured number and the limit that it must not exceed, both in `unit`."""
 
-    what: str
+    name: str
     value: float
     limit: float
     unit: str = ""
 
     @property
     def met(self) -> bool:
-        return self.value <= self.limit  # and so not NaN
+        """Whether the number is within its limit."""
+        return self.value <= self.limit  # false for NaN
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.what}: {self.value:.4g}{unit}, at most {self.limit:g}{unit}"
+        return f"{self.name}: {self.value:.4g}{unit}, at most {self.limit:g}{unit}"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one run; series: what a plot shows, each (k,) or (k, m), by name."""
+    """Result of one run.
 
-    reached: tuple[Reached, ...]
+    series: arrays for the plots by name, each (k,) or (k, m).
+    """
+
+    criteria: tuple[Criterion, ...]
     series: dict[str, Floats] = field(default_factory=dict)
 
     @property
     def failures(self) -> list[str]:
-        return [str(one) for one in self.reached if not one.met]
-
+        """The criteria that are not met, one line each."""
+        return [str(c) for c in self.criteria if not c.met]
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {"reached": [{"what": one.what, "value": one.value, "limit": one.limit, "unit": one.unit, "met": one.met}
-                            for one in self.reached],
+        """The outcome as JSON: criteria under "reached", rounded series under "series"."""
+        return {"reached": [{"what": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "met": c.met}
+                            for c in self.criteria],
                 "series": {name: _rounded(values) for name, values in self.series.items()}}
 
 
 def thinned(series: Mapping[str, Sequence[Any]]) -> dict[str, Floats]:
-    """Every so many points, as a plot of SHOWN points can show; each row a number or several."""
+    """Series reduced to about SHOWN points by a constant stride; a row is a number or several."""
     return {name: np.array(values[::max(1, len(values) // SHOWN)], float) for name, values in series.items()}
 
 

@@ -15,7 +15,7 @@ def hold() -> Callable[..., None]:
 
     def check(name: str, setting: Setting, run: Callable[[Setting], Outcome] | None = None) -> None:
         failures = (run or CASES[name].run)(setting).failures
-        if known := CASES[name].known.get(setting):
+        if known := CASES[name].known_failures.get(setting):
             assert failures, f"holds now, so it is no longer known that {known}"
             pytest.xfail(f"{known}: {failures}")
         assert failures == []

@@ -25,17 +25,17 @@ def check(low: Floats, high: Floats, movable: Booleans | None = None, broad: Gri
 @pytest.mark.parametrize("reach", [1, 10, 100, 1000])
 def test_a_box_across_any_number_of_sectors_meets_all_that_it_overlaps(reach: int) -> None:
     rng = np.random.default_rng(reach)
-    centre = rng.uniform(-1.1, 1.1, (400, 3)) * [reach, 2, 2]
+    center = rng.uniform(-1.1, 1.1, (400, 3)) * [reach, 2, 2]
     half = rng.uniform(0.2, 0.5, (400, 3))
-    centre[0], half[0] = 0.0, (reach, 0.3, 0.3)
-    centre[1], half[1] = 0.0, (reach, 2.0, 2.0)
-    assert check(centre - half, centre + half) > 300
+    center[0], half[0] = 0.0, (reach, 0.3, 0.3)
+    center[1], half[1] = 0.0, (reach, 2.0, 2.0)
+    assert check(center - half, center + half) > 300
 
 
 def test_a_box_in_many_sectors_is_no_pair_of_its_own_and_every_pair_comes_once() -> None:
     side = np.arange(6.0)
     low = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
-    assert check(low, low + 1.0) == ((3 * 6 - 2) ** 3 - 6**3) // 2  # each touches its neighbours, corners too
+    assert check(low, low + 1.0) == ((3 * 6 - 2) ** 3 - 6**3) // 2  # each touches its neighbors, corners too
 
 
 @pytest.mark.parametrize("octant", [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -47,11 +47,11 @@ def test_negative_sectors(octant: tuple[int, int, int]) -> None:
     assert check(np.where(mirrored, -high, low), np.where(mirrored, -low, high)) > 100
 
 
-def test_a_millimetre_beside_a_kilometre() -> None:
+def test_a_millimeter_beside_a_kilometer() -> None:
     rng = np.random.default_rng(1)
     half = np.concatenate([np.full((300, 3), 0.0005), np.full((20, 3), 500.0), rng.uniform(0.001, 50, (80, 3))])
-    centre = np.concatenate([rng.uniform(-0.005, 0.005, (300, 3)), rng.uniform(-600, 600, (100, 3))])
-    assert check(centre - half, centre + half) > 1000
+    center = np.concatenate([rng.uniform(-0.005, 0.005, (300, 3)), rng.uniform(-600, 600, (100, 3))])
+    assert check(center - half, center + half) > 1000
 
 
 def dust_between_giants(count: int) -> Boxes:
@@ -59,8 +59,8 @@ def dust_between_giants(count: int) -> Boxes:
     rng = np.random.default_rng(count)
     half = np.repeat([[0.0005], [500.0]], count // 2, axis=0) * np.ones(3)
     room = half * np.cbrt(count / 2)
-    centre = rng.uniform(-2, 2, (len(half), 3)) * room
-    return centre - half, centre + half
+    center = rng.uniform(-2, 2, (len(half), 3)) * room
+    return center - half, center + half
 
 
 def memory(broad: Grid) -> int:
@@ -69,7 +69,7 @@ def memory(broad: Grid) -> int:
 
 
 @pytest.mark.parametrize("movable_share", [1.0, 0.5])
-def test_a_millimetre_and_a_kilometre_cost_no_more_when_there_are_more(
+def test_a_millimeter_and_a_kilometer_cost_no_more_when_there_are_more(
         movable_share: float, monkeypatch: pytest.MonkeyPatch) -> None:
     tests = []
     find_pairs = grid.find_pairs
@@ -89,7 +89,7 @@ def test_a_millimetre_and_a_kilometre_cost_no_more_when_there_are_more(
         assert tests[-1] < 40 * count
 
 
-def test_every_size_from_a_micrometre_to_a_hundred_kilometres() -> None:
+def test_every_size_from_a_micrometer_to_a_hundred_kilometers() -> None:
     for seed in range(3):
         low, high = random_boxes(seed, 500, (1e-6, 1e5))
         inside = np.random.default_rng(seed).uniform(0, 500, len(low)).astype(int)
@@ -157,8 +157,8 @@ def test_the_largest_and_the_smallest_numbers() -> None:
 def test_points_plates_and_rods() -> None:
     rng = np.random.default_rng(4)
     half = rng.uniform(0, 3, (500, 3)) * rng.integers(0, 2, (500, 3))
-    centre = rng.integers(-6, 7, (500, 3)) / 2.0
-    assert check(centre - half, centre + half) > 1000
+    center = rng.integers(-6, 7, (500, 3)) / 2.0
+    assert check(center - half, center + half) > 1000
 
 
 def test_bodies_that_leave_what_they_were_at_the_start_and_come_back() -> None:
@@ -182,12 +182,12 @@ def test_bodies_that_outgrow_their_sectors_and_shrink() -> None:
 
 def test_sectors_follow_when_a_wild_start_calms_down(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(12)
-    centre = rng.uniform(-10, 10, (2000, 3))
+    center = rng.uniform(-10, 10, (2000, 3))
     broad, tests = Grid(np.full((2000, 3), 1e6)), []
     find_pairs = grid.find_pairs
     monkeypatch.setattr(grid, "find_pairs", lambda *a: tests.append(answer := find_pairs(*a)) or answer)
     for _ in range(3):
-        check(centre - 0.3, centre + 0.3, broad=broad)
+        check(center - 0.3, center + 0.3, broad=broad)
     made = [count for _, _, count in tests]
     assert max(made) > 10 * made[-1] > 0
 
@@ -248,6 +248,6 @@ def test_whatever_way(steps: list[list[tuple[float, float]]], movable: int) -> N
     broad = Grid(np.ones((12, 3)))
     mask = np.array([movable >> i & 1 for i in range(12)], bool)
     for before, step in pairwise([steps[0], *steps]):
-        centre = np.array([(s if m else b)[0] for s, b, m in zip(step, before, mask, strict=True)])[:, None]
+        center = np.array([(s if m else b)[0] for s, b, m in zip(step, before, mask, strict=True)])[:, None]
         half = np.array([(s if m else b)[1] for s, b, m in zip(step, before, mask, strict=True)])[:, None]
-        check(centre * [1, 0.5, 0] - half, centre * [1, 0.5, 0] + half, mask, broad)
+        check(center * [1, 0.5, 0] - half, center * [1, 0.5, 0] + half, mask, broad)

@@ -19,7 +19,7 @@ Corners = list[list[float]]
 
 
 def expected(a: Floats, b: Floats) -> list[bool]:
-    return [triangle_oracle.meet(x, y) for x, y in zip(a.tolist(), b.tolist(), strict=True)]
+    return [triangle_oracle.intersects(x, y) for x, y in zip(a.tolist(), b.tolist(), strict=True)]
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -76,6 +76,6 @@ def test_any_finite_numbers(six: Corners) -> None:
 
 def agree(six: Corners) -> None:
     a, b = np.array([six[:3]]), np.array([six[3:]])
-    answer = triangle_oracle.meet(six[:3], six[3:])
+    answer = triangle_oracle.intersects(six[:3], six[3:])
     assert bool(triangle.intersects(a, b)[0]) == answer
     assert bool(triangle.intersects(b, a)[0]) == answer

@@ -11,7 +11,7 @@ PAGE = """# What accuracy costs in collision
 ![Error over time per query of the four levels](collision.png)
 
 `make accuracy` measures it anew and writes this page, [the numbers](collision.json) and the pictures. Here:
-{processor}, one thread, CPU time; other machines differ in microseconds, not in metres.
+{processor}, one thread, CPU time; other machines differ in microseconds, not in meters.
 
 ## All poses
 
@@ -80,7 +80,7 @@ def text(result: dict[str, Any], halvings: int) -> str:
 def summary(samples: dict[str, Any], things: int) -> str:
     """Two sentences."""
     n = samples["flights"]
-    gaps = {level: _metres(numbers["gap_mean"]) for level, numbers in n.items()}
+    gaps = {level: _meters(numbers["gap_mean"]) for level, numbers in n.items()}
     costs = {level: f"{numbers['question_us']:.2g}" for level, numbers in n.items()}
     return (f"On flights past {things} models, one ball around each body says that the drone touches something "
             f"while the surfaces are still {gaps['sphere']} apart on average, one box at {gaps['obb']}, small "
@@ -101,8 +101,8 @@ def _samples(samples: dict[str, Any]) -> str:
         for name, n in levels.items():
             lines.append(f"| {sample} | {name} | {n['question_us']:.2f} µs | {n['answer_us']:.1f} µs "
                          f"| {100 * n['false'] / n['poses']:.1f} % | {n['missed']} "
-                         f"| {_metres(n['gap_mean'])} ({_metres(n['gap_95'])}) "
-                         f"| {_metres(n['depth_median'])} ({_metres(n['depth_95'])}) "
+                         f"| {_meters(n['gap_mean'])} ({_meters(n['gap_95'])}) "
+                         f"| {_meters(n['depth_median'])} ({_meters(n['depth_95'])}) "
                          f"| {_degrees(n['normal_median'])} ({_degrees(n['normal_95'])}) "
                          f"| {100 * n['silent'] / n['contacts']:.1f} % |")
     return "\n".join(lines)
@@ -112,7 +112,7 @@ def _models(models: dict[str, Any]) -> str:
     lines = ["| | gap: sphere | obb | octree | yes or no: sphere | obb | octree | triangle | poses |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for model, n in sorted(models.items(), key=lambda item: -(item[1]["obb"]["gap_mean"] or 0.0)):
-        gaps = " | ".join(_metres(n[level]["gap_mean"]) for level in ("sphere", "obb", "octree"))
+        gaps = " | ".join(_meters(n[level]["gap_mean"]) for level in ("sphere", "obb", "octree"))
         times = " | ".join(f"{n[level]['question_us']:.2f} µs" for level in n)
         lines.append(f"| {model.replace('_', ' ')} | {gaps} | {times} | {n['obb']['poses']:,} |")
     return "\n".join(lines)
@@ -128,7 +128,7 @@ def _range(ends: tuple[float, float], scale: float = 1.0) -> str:
     return f"{scale * ends[0]:g} to {scale * ends[1]:g}"
 
 
-def _metres(value: float | None) -> str:
+def _meters(value: float | None) -> str:
     if value is None:
         return "–"
     if value == 0.0:

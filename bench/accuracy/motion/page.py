@@ -11,7 +11,7 @@ PAGE = """# What accuracy costs in motion
 ![Error after a while over CPU time per simulated second, for six problems](dynamics.png)
 
 `make accuracy` measures it anew and writes this page, [the numbers](dynamics.json) and the pictures. Here:
-{processor}, one core, CPU time; other machines differ in milliseconds, not in metres.
+{processor}, one core, CPU time; other machines differ in milliseconds, not in meters.
 
 ## Integrators, steps and sub-steps
 
@@ -52,7 +52,7 @@ KEPT_RATES = (60.0, 240.0, 960.0)
 def text(result: dict[str, Any]) -> str:
     """The page, as Markdown."""
     settings = result["settings"]
-    published = "; ".join(f"{engine} {_metres(error)} off in {cost / 1000:g} s per simulated second at {step:g} ms"
+    published = "; ".join(f"{engine} {_meters(error)} off in {cost / 1000:g} s per simulated second at {step:g} ms"
                           for engine, step, error, cost in result["published"])
     page = PAGE.format(
         summary=_summary(result), processor=result["machine"]["processor"],
@@ -89,11 +89,11 @@ def _summary(result: dict[str, Any]) -> str:
     flight, stack = (result["problems"][name]["lines"] for name in ("flight", "stack"))
     first, second = (_at(flight[name], 240.0) for name in ("semi implicit euler", "midpoint"))
     peer, ours, theirs = _at(flight["MuJoCo"], 240.0), _at(stack["midpoint"], 240.0), _at(stack["MuJoCo"], 240.0)
-    return (f"After 10 s of free flight with 240 steps a second, semi-implicit Euler is {_metres(first['position'])} "
-            f"off, as MuJoCo ({_metres(peer['position'])}) and PyBullet are; the midpoint rule, our default, is off "
-            f"by {_metres(second['position'])} at {second['cost_ms'] / first['cost_ms']:.2f} times the cost. "
-            f"The top of a stack of ten crates moves by {_metres(ours['position'])}, in MuJoCo by "
-            f"{_metres(theirs['position'])}.")
+    return (f"After 10 s of free flight with 240 steps a second, semi-implicit Euler is {_meters(first['position'])} "
+            f"off, as MuJoCo ({_meters(peer['position'])}) and PyBullet are; the midpoint rule, our default, is off "
+            f"by {_meters(second['position'])} at {second['cost_ms'] / first['cost_ms']:.2f} times the cost. "
+            f"The top of a stack of ten crates moves by {_meters(ours['position'])}, in MuJoCo by "
+            f"{_meters(theirs['position'])}.")
 
 
 def _table(problems: dict[str, Any]) -> str:
@@ -103,7 +103,7 @@ def _table(problems: dict[str, Any]) -> str:
         for name, points in problem["lines"].items():
             if name == "sub-steps":
                 continue
-            cells = [f"{_metres(p['position'])}, {_ms(p['cost_ms'])}" for rate in KEPT_RATES
+            cells = [f"{_meters(p['position'])}, {_ms(p['cost_ms'])}" for rate in KEPT_RATES
                      for p in points if p["rate"] == rate]
             lines.append(f"| {problem['title']} | {name} | {' | '.join(cells)} |")
     return "\n".join(lines)
@@ -120,7 +120,7 @@ def _effects(effects: dict[str, Any]) -> str:
     lines = ["| effect | µs a step | bodies | flight | without it, the end is off by |", "|---|--:|--:|---|--:|"]
     for name, cost in effects.items():
         lines.append(f"| {name} | {_us(cost['us'])} | {cost['bodies']} | {cost['flight']}, {cost['seconds']:g} s "
-                     f"| {_metres(cost['off_m'])} |")
+                     f"| {_meters(cost['off_m'])} |")
     return "\n".join(lines)
 
 
@@ -132,7 +132,7 @@ def _listed(numbers: tuple[float, ...]) -> str:
     return ", ".join(f"{number:g}" for number in numbers[:-1]) + f" and {numbers[-1]:g}"
 
 
-def _metres(value: float) -> str:
+def _meters(value: float) -> str:
     for factor, unit in ((1.0, "m"), (1e2, "cm"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
         if value * factor >= 1.0:
             return f"{value * factor:.2g} {unit}" if value * factor < 100.0 else f"{value * factor:.0f} {unit}"

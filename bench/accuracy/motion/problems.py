@@ -31,7 +31,7 @@ class Problem(NamedTuple):
 
 
 def flight() -> Problem:
-    """The box of the benchmark 'boxes' of Gazebo, a metre for its ten centimetres: thrown, and tumbling."""
+    """The box of the benchmark 'boxes' of Gazebo, a meter for its ten centimeters: thrown, and tumbling."""
     seconds = 10.0
     inertia = MASS / 12 * (np.sum(np.square(SIZE)) - np.square(SIZE))
     place = VELOCITY * seconds - np.array([0.0, 0.0, 0.5 * G * seconds**2])
@@ -45,7 +45,7 @@ def flight() -> Problem:
 
 
 def bounce() -> Problem:
-    """A crate that falls flat from a metre, again and again, and loses nothing."""
+    """A crate that falls flat from a meter, again and again, and loses nothing."""
     seconds, speed = 4.0, math.sqrt(2 * G * HEIGHT)
     since = (seconds - speed / G) % (2 * speed / G)  # s since it left the floor
     height = 0.5 * EDGE + speed * since - 0.5 * G * since**2

@@ -48,11 +48,11 @@ def torus(around: int = 32, across: int = 10, radius: float = 1.0, thickness: fl
     return vertices, np.concatenate([np.stack([p, q, r], -1), np.stack([p, r, s], -1)]).reshape(-1, 3)
 
 
-def octahedron(centre: Floats) -> Floats:
+def octahedron(center: Floats) -> Floats:
     """Triangles (8, 3, 3) of a probe."""
     tips = PROBE * np.eye(3)
     signs = itertools.product((1, -1), repeat=3)
-    return np.array([[centre + x * tips[0], centre + y * tips[1], centre + z * tips[2]] for x, y, z in signs])
+    return np.array([[center + x * tips[0], center + y * tips[1], center + z * tips[2]] for x, y, z in signs])
 
 
 def hits(corners: Floats, leaves: Floats, probe: Floats) -> dict[str, bool]:
@@ -93,20 +93,20 @@ def levels_nested() -> Figure:
             for leaf in leaves:
                 style.draw_box(axes, leaf[:3], np.eye(3), leaf[3:], style.FIRST, 0.06, width=0.3)
         for probe, answer in zip(PROBES, found, strict=True):
-            colour = style.MISSED if answer[level] else style.FAINT
-            style.draw_faces(axes, list(octahedron(probe)), colour, 0.9, 0.4, zorder=6)
+            color = style.MISSED if answer[level] else style.FAINT
+            style.draw_faces(axes, list(octahedron(probe)), color, 0.9, 0.4, zorder=6)
         count = sum(answer[level] for answer in found)
         style.label(figure, left + 0.122, 0.10, level, fontsize=12, fontweight="bold")
         style.label(figure, left + 0.122, 0.045, f"{count} of {len(PROBES)} hit", color=style.MISSED)
     return figure
 
 
-def draw_ball(axes: Any, centre: Floats, radius: float) -> None:
+def draw_ball(axes: Any, center: Floats, radius: float) -> None:
     """A sphere as its circles of latitude and longitude."""
     t = np.linspace(0, 2 * np.pi, 61)
-    level = [centre + radius * np.column_stack([np.cos(a) * np.cos(t), np.cos(a) * np.sin(t), np.full(61, np.sin(a))])
+    level = [center + radius * np.column_stack([np.cos(a) * np.cos(t), np.cos(a) * np.sin(t), np.full(61, np.sin(a))])
              for a in np.linspace(-1.25, 1.25, 7)]
-    upright = [centre + radius * np.column_stack([np.cos(a) * np.cos(t), np.sin(a) * np.cos(t), np.sin(t)])
+    upright = [center + radius * np.column_stack([np.cos(a) * np.cos(t), np.sin(a) * np.cos(t), np.sin(t)])
                for a in np.linspace(0, np.pi, 9)[:-1]]
     style.draw_lines(axes, [*level, *upright], style.FIRST, 0.6)
 
@@ -148,7 +148,7 @@ def broad_phase() -> Figure:
     figure = style.sheet(
         "Broad phase: bodies over many sectors, 1 mm beside 1 km",
         "The grid has to find every pair of bounds that overlap, each once, on either side of the origin, whatever "
-        "their sizes. Filed under its centre alone, a long body is missed at its ends, even if neighbouring sectors "
+        "their sizes. Filed under its center alone, a long body is missed at its ends, even if neighboring sectors "
         "are searched.")
     low, high = BODIES[:, :2], BODIES[:, :2] + BODIES[:, 2:]
     true = [(i, j) for i, j in itertools.combinations(range(len(BODIES)), 2)
@@ -157,7 +157,7 @@ def broad_phase() -> Figure:
     near = np.array([(np.abs(sector[i] - sector[j]) <= 1).all() for i, j in true])
     ours = pairs_of_grid(np.pad(low, ((0, 0), (0, 1))), np.pad(high, ((0, 0), (0, 1)), constant_values=1.0))
     here = np.array([pair in ours for pair in true])
-    panels = ((0.025, near, "filed under its centre"), (0.345, here, "in every sector it overlaps"))
+    panels = ((0.025, near, "filed under its center"), (0.345, here, "in every sector it overlaps"))
     for left, found, title in panels:
         missed = int((~found).sum())
         axes = figure.add_axes((left, 0.035, 0.30, 0.645))
@@ -176,7 +176,7 @@ def pairs_of_grid(low: Floats, high: Floats) -> set[tuple[int, int]]:
     return set(zip(a.tolist(), b.tolist(), strict=True))
 
 
-def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, centres: Floats | None) -> None:
+def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, centers: Floats | None) -> None:
     """The bodies from above, the sectors of the long one, and lines between the pairs."""
     axes.set(xlim=(-4, 3), ylim=(-3, 3), aspect="equal", xticks=range(-4, 4), yticks=range(-3, 4),
              anchor="N")
@@ -184,13 +184,13 @@ def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, centre
     axes.set_axisbelow(True)
     axes.tick_params(length=0, labelsize=7.5)
     first, last = np.floor(BODIES[0, :2]), np.floor(BODIES[0, :2] + BODIES[0, 2:])
-    across = np.arange(first[0], last[0] + 1) if centres is None else centres[:1, 0]
+    across = np.arange(first[0], last[0] + 1) if centers is None else centers[:1, 0]
     for x in across:
         axes.add_patch(Rectangle((x, first[1]), 1, 1, facecolor=style.SECOND, alpha=0.25, zorder=0))
     for i, (x, y, width, height) in enumerate(BODIES):
-        colour = style.SECOND if i == 0 else style.FIRST
-        axes.add_patch(Rectangle((x, y), width, height, facecolor=colour, alpha=0.55, zorder=2))
-        axes.add_patch(Rectangle((x, y), width, height, fill=False, edgecolor=colour, linewidth=1.2, zorder=3))
+        color = style.SECOND if i == 0 else style.FIRST
+        axes.add_patch(Rectangle((x, y), width, height, facecolor=color, alpha=0.55, zorder=2))
+        axes.add_patch(Rectangle((x, y), width, height, fill=False, edgecolor=color, linewidth=1.2, zorder=3))
     middle = BODIES[:, :2] + BODIES[:, 2:] / 2
     for (i, j), seen in zip(pairs, found, strict=True):
         both = np.maximum(BODIES[i, :2], BODIES[j, :2]), np.minimum(*((BODIES[k, :2] + BODIES[k, 2:]) for k in (i, j)))
@@ -201,7 +201,7 @@ def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, centre
 
 
 def draw_sizes(axes: Axes) -> None:
-    """A body of a millimetre at the wall of a hall of a kilometre, in three steps of magnification."""
+    """A body of a millimeter at the wall of a hall of a kilometer, in three steps of magnification."""
     axes.set(xlim=(0, 3), ylim=(-0.45, 2.1), aspect="equal")
     axes.set_axis_off()
     axes.set_anchor("N")

@@ -16,9 +16,9 @@ REACH = 20  # steps each way of a map
 
 
 class Box(NamedTuple):
-    """Centre (3,), axes (3, 3), one a row, half extents (3,)."""
+    """Center (3,), axes (3, 3), one a row, half extents (3,)."""
 
-    centre: Floats
+    center: Floats
     axes: Floats
     half: Floats
 
@@ -62,26 +62,26 @@ def rows(box: Box) -> list[Floats]:
 
 
 def brought_to_touch(a: Box, b: Box) -> Box:
-    """b moved along the line between the centres until it just touches a."""
-    way = b.centre - a.centre
+    """b moved along the line between the centers until it just touches a."""
+    way = b.center - a.center
     low, high = 0.0, 4.0
     while low < (middle := (low + high) / 2) < high:
-        hit = obb.intersects(*rows(a), *rows(b._replace(centre=a.centre + middle * way)))[0]
+        hit = obb.intersects(*rows(a), *rows(b._replace(center=a.center + middle * way)))[0]
         low, high = (middle, high) if hit else (low, middle)
-    return b._replace(centre=a.centre + low * way)
+    return b._replace(center=a.center + low * way)
 
 
 def moved(box: Box, across: Floats, up: Floats, first: int, second: int) -> list[Floats]:
-    """The box for every place of a map over two coordinates of its centre."""
-    centre = np.repeat(box.centre[None], len(across), axis=0)
-    centre[:, second] = stepped(box.centre[second], up)
-    centre[:, first] = stepped(box.centre[first], across)
-    return [centre, box.axes[None], box.half[None]]
+    """The box for every place of a map over two coordinates of its center."""
+    center = np.repeat(box.center[None], len(across), axis=0)
+    center[:, second] = stepped(box.center[second], up)
+    center[:, first] = stepped(box.center[first], across)
+    return [center, box.axes[None], box.half[None]]
 
 
 def name_both(space: Any, a: Box, b: Box) -> None:
-    for box, name, colour in ((a, "A", style.FIRST), (b, "B", style.SECOND)):
-        style.draw_name(space, box.centre, name, colour)
+    for box, name, color in ((a, "A", style.FIRST), (b, "B", style.SECOND)):
+        style.draw_name(space, box.center, name, color)
 
 
 def near_touch() -> Figure:
@@ -90,8 +90,8 @@ def near_touch() -> Figure:
     b = brought_to_touch(a, Box(np.array([0.75, 0.62, 0.55]), turned(rng), np.array([0.3, 0.45, 0.2])))
     figure = style.sheet(
         "Boxes that all but touch",
-        "Two boxes, turned at random, brought together until they touch in one point. Then the centre of the second "
-        "is moved by single steps between neighbouring float64 numbers. The plain test adds up rounding errors larger "
+        "Two boxes, turned at random, brought together until they touch in one point. Then the center of the second "
+        "is moved by single steps between neighboring float64 numbers. The plain test adds up rounding errors larger "
         "than such a step.")
     space = style.space(figure, style.SHAPES, (-0.6, -0.8, -0.5), (1.2, 1.1, 1.0))
     style.draw_box(space, *a, style.FIRST)
@@ -133,25 +133,25 @@ def exact_touch() -> Figure:
     for i, (away, name) in enumerate((((1, 0, 0), "face"), ((1, 1, 0), "edge"), ((1, 1, 1), "corner"))):
         place = (-0.005 + 0.125 * i, 0.22, 0.145, 0.45)
         space = style.space(figure, place, (-0.1, -0.1, -0.1), (0.5, 0.5, 0.5), zoom=1.0)
-        centre = 0.3 * np.array(away) + 0.12 * (1 - np.array(away))
-        style.draw_box(space, centre, np.eye(3), half_b, style.SECOND)
+        center = 0.3 * np.array(away) + 0.12 * (1 - np.array(away))
+        style.draw_box(space, center, np.eye(3), half_b, style.SECOND)
         style.draw_box(space, np.zeros(3), np.eye(3), half_a, style.FIRST, alpha=0.55)
         style.draw_name(space, np.zeros(3), "A", style.FIRST, 10)
-        style.draw_name(space, centre, "B", style.SECOND, 10)
+        style.draw_name(space, center, "B", style.SECOND, 10)
         style.label(figure, 0.065 + 0.125 * i, 0.2, name)
     across, up = grids()
     halves = np.repeat(half_a[None], len(across), axis=0)
     halves[:, 0] = stepped(0.1, across)
-    centres = np.repeat([[0.3, 0.12, 0.12]], len(across), axis=0)
-    centres[:, 0] = stepped(0.3, up)
-    maps = answers([np.zeros((1, 3)), np.eye(3)[None], halves], [centres, np.eye(3)[None], half_b[None]])
+    centers = np.repeat([[0.3, 0.12, 0.12]], len(across), axis=0)
+    centers[:, 0] = stepped(0.3, up)
+    maps = answers([np.zeros((1, 3)), np.eye(3)[None], halves], [centers, np.eye(3)[None], half_b[None]])
     style.draw_maps(figure, *maps, "half width of A, steps of 1 ulp", X_STEPS)
     return figure
 
 
 def thin() -> Figure:
     plate = Box(np.array([0.1, 0.2, 0.1]), turn(0.3, -0.2, 0.4), np.array([0.8, 0.6, 0.0]))
-    rod_at = plate.centre + 0.85 * plate.axes[0] + 0.1 * plate.axes[1]
+    rod_at = plate.center + 0.85 * plate.axes[0] + 0.1 * plate.axes[1]
     rod = brought_to_touch(plate, Box(rod_at, turn(0.25, 0.35, 0.1), np.array([0.0, 0.0, 0.7])))
     figure = style.sheet(
         "Plates, rods and points",
@@ -160,9 +160,9 @@ def thin() -> Figure:
         "are as delicate.")
     space = style.space(figure, style.SHAPES, (-0.8, -0.8, -0.8), (1.2, 1.2, 0.9), view=(24, -70))
     style.draw_box(space, *plate, style.FIRST)
-    style.draw_lines(space, [rod.centre + np.array([[-0.7], [0.7]]) * rod.axes[2]], style.SECOND, 3.0)
-    style.draw_name(space, plate.centre, "A", style.FIRST)
-    style.draw_name(space, rod.centre + 0.55 * rod.axes[2] + [0.12, 0, 0], "B", style.SECOND)
+    style.draw_lines(space, [rod.center + np.array([[-0.7], [0.7]]) * rod.axes[2]], style.SECOND, 3.0)
+    style.draw_name(space, plate.center, "A", style.FIRST)
+    style.draw_name(space, rod.center + 0.55 * rod.axes[2] + [0.12, 0, 0], "B", style.SECOND)
     across, up = grids()
     style.draw_maps(figure, *answers(rows(plate), moved(rod, across, up, 0, 1)), X_STEPS, Y_STEPS)
     return figure

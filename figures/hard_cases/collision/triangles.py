@@ -37,10 +37,10 @@ def picture(title: str, text: str, a: Floats, b: Floats, across: Place, up: Plac
     both = np.concatenate([a, shown])
     middle, reach = (both.max(axis=0) + both.min(axis=0)) / 2, np.ptp(both, axis=0).max() / 2
     space = style.space(figure, style.SHAPES, middle - reach, middle + reach, view, zoom=1.45)
-    for corners, name, colour in ((a, "A", style.FIRST), (shown, "B", style.SECOND)):
-        style.draw_faces(space, [corners], colour, alpha=0.4, width=1.4)
+    for corners, name, color in ((a, "A", style.FIRST), (shown, "B", style.SECOND)):
+        style.draw_faces(space, [corners], color, alpha=0.4, width=1.4)
         middle = corners.mean(axis=0)
-        style.draw_name(space, middle + (0.4 if apart else 0.0) * (corners[2] - middle), name, colour)
+        style.draw_name(space, middle + (0.4 if apart else 0.0) * (corners[2] - middle), name, color)
     moved = {across[0], up[0]}
     for corner in moved:
         style.draw_point(space, shown[corner])
@@ -64,7 +64,7 @@ def sharing_edge() -> Figure:
     b = np.array([on(A, 0.15, 0.0), on(A, 0.85, 0.0), [0.95, -0.5, -0.35]])
     return picture(
         "An edge on an edge",
-        "Neighbours in a mesh share edges, and parts that were modelled side by side share them up to rounding. Here "
+        "Neighbors in a mesh share edges, and parts that were modelled side by side share them up to rounding. Here "
         "an edge of B lies on one of A. Moved by an ulp, it cuts into A or leaves it.",
         A, b, (0, 2), (1, 2))
 
@@ -118,8 +118,8 @@ def far_away() -> Figure:
     a = A + far
     b = np.array([on(A, 0.6, 0.25), [1.2, 0.1, 1.3], [0.5, 0.3, 1.7]]) + far
     return picture(
-        "The same pair, a million metres away",
-        "Moved by 1e6 m along each axis, all coordinates lose seven digits: neighbouring numbers are 0.1 nm apart. "
+        "The same pair, a million meters away",
+        "Moved by 1e6 m along each axis, all coordinates lose seven digits: neighboring numbers are 0.1 nm apart. "
         "The moved corners are the input, and the answer is theirs. Products of such numbers leave errors of many "
         "steps.",
         a, b, (0, 0), (0, 2))

@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from figures import style
-from figures.style import GREY, GRID
+from figures.style import GRAY, GRID
 
-COLOURS = (style.FIRST, style.SECOND, "#7d5ba6", "#3d9970")
+COLORS = (style.FIRST, style.SECOND, "#7d5ba6", "#3d9970")
 LINES: tuple[dict[str, Any], ...] = (
-    {"color": COLOURS[0], "linewidth": 2.4, "zorder": 5, "alpha": 0.85},
-    {"color": COLOURS[1], "linewidth": 1.5, "zorder": 6, "linestyle": (0, (5, 2.5))},
-    {"color": COLOURS[2], "linewidth": 1.5, "zorder": 7, "linestyle": (0, (1.5, 1.5))})
+    {"color": COLORS[0], "linewidth": 2.4, "zorder": 5, "alpha": 0.85},
+    {"color": COLORS[1], "linewidth": 1.5, "zorder": 6, "linestyle": (0, (5, 2.5))},
+    {"color": COLORS[2], "linewidth": 1.5, "zorder": 7, "linestyle": (0, (1.5, 1.5))})
 Run = dict[str, Any]
 Panel = Callable[[Figure, style.Place, Sequence[Run]], None]
 ORDERS = {1: "first order", 2: "second order", 4: "fourth order"}
@@ -29,7 +29,7 @@ def empty(figure: Figure, place: style.Place, title: str, across: str, up: str =
     axes.set_ylabel(up, fontsize=8.5, labelpad=2)
     axes.grid(color=GRID, linewidth=0.8, zorder=0)
     axes.set_axisbelow(True)
-    axes.tick_params(length=2, labelsize=8, colors=GREY)
+    axes.tick_params(length=2, labelsize=8, colors=GRAY)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     return axes
@@ -79,7 +79,7 @@ def convergence(figure: Figure, place: style.Place, runs: Sequence[Run], series:
         step, error = 1000.0 * np.array(run["series"]["step_s"]), np.maximum(run["series"][series], 1e-15)
         scheme = run["setting"].split(",")[0]
         found = f", order {run['series']['order'][0]:.2f}" if series == "attitude_rad" else ""
-        axes.plot(step, error, "o-", color=COLOURS[i], linewidth=1.6, markersize=5, label=scheme + found)
+        axes.plot(step, error, "o-", color=COLORS[i], linewidth=1.6, markersize=5, label=scheme + found)
     axes.minorticks_off()
     steps = sorted({1000.0 * step for run in runs for step in run["series"]["step_s"]})
     axes.set_xticks(steps, [f"{step:.2g}" for step in steps])
@@ -102,7 +102,7 @@ def shots(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
               zorder=3)
     axes.plot(speed[behind], np.maximum(near[behind], -5.0), "X", markersize=7, color=style.MISSED, zorder=4)
     axes.set(xlim=(0.9, 1100.0), ylim=(-7, 12.5))
-    axes.text(1050.0, -0.8, "the plate", fontsize=8, color=GREY, ha="right", va="top")
+    axes.text(1050.0, -0.8, "the plate", fontsize=8, color=GRAY, ha="right", va="top")
     axes.text(1050.0, -6.6, "behind it", fontsize=8, color=style.MISSED, ha="right")
     axes.text(1050.0, 11.2, "12 cm or more", fontsize=8, color=style.FIRST, ha="right", va="top")
 
@@ -148,9 +148,9 @@ def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
     """Simulated time and the lag that is reported, over the wall clock."""
     series = runs[0]["series"]
     axes = empty(figure, place, "Simulated time goes on where it was", "wall clock, s", "s")
-    axes.plot(series["wall_s"], series["wall_s"], color=GREY, linewidth=1.0, linestyle=(0, (2, 2)), label="wall clock")
-    for name, colour, label in (("time_s", style.FIRST, "simulated time"), ("lag_s", style.MISSED, "lag reported")):
-        axes.plot(series["wall_s"], series[name], color=colour, linewidth=2.0, label=label, drawstyle="steps-post")
+    axes.plot(series["wall_s"], series["wall_s"], color=GRAY, linewidth=1.0, linestyle=(0, (2, 2)), label="wall clock")
+    for name, color, label in (("time_s", style.FIRST, "simulated time"), ("lag_s", style.MISSED, "lag reported")):
+        axes.plot(series["wall_s"], series[name], color=color, linewidth=2.0, label=label, drawstyle="steps-post")
 
 
 CORNER: tuple[Panel, ...] = (

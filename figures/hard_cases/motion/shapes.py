@@ -36,8 +36,8 @@ def ground(axes: Any, half: float, z: float = 0.0) -> None:
     style.draw_faces(axes, [corners], GROUND, 0.45, 0.6, 0)
 
 
-def arrow(axes: Any, start: tuple[float, float, float], by: tuple[float, float, float], colour: str = ARROW) -> None:
-    axes.quiver(*start, *by, color=colour, linewidth=1.6, arrow_length_ratio=0.28, zorder=8)
+def arrow(axes: Any, start: tuple[float, float, float], by: tuple[float, float, float], color: str = ARROW) -> None:
+    axes.quiver(*start, *by, color=color, linewidth=1.6, arrow_length_ratio=0.28, zorder=8)
 
 
 def tumble(figure: Figure) -> None:
@@ -171,7 +171,7 @@ def clock(figure: Figure) -> None:
     stall = np.linspace(np.pi / 2, np.pi / 2 - 5 * np.pi / 6, 40)
     axes.fill(np.append(0.0, 0.8 * np.cos(stall)), np.append(0.0, 0.8 * np.sin(stall)), color=ARROW, alpha=0.18,
               linewidth=0)
-    for angle, length, colour in ((stall[0], 0.8, style.INK), (stall[-1], 0.8, ARROW)):
-        axes.plot([0, length * np.cos(angle)], [0, length * np.sin(angle)], color=colour, linewidth=2.6,
+    for angle, length, color in ((stall[0], 0.8, style.INK), (stall[-1], 0.8, ARROW)):
+        axes.plot([0, length * np.cos(angle)], [0, length * np.sin(angle)], color=color, linewidth=2.6,
                   solid_capstyle="round")
     axes.text(0.42, 0.1, "5 s", color=ARROW, fontsize=13, fontweight="bold", ha="center", va="center")
