@@ -29,6 +29,7 @@ from drone_engine.collision.events import (
 )
 from drone_engine.collision.pipeline import Detection
 from drone_engine.collision_level import LEVELS, TESTED
+from drone_engine.context import Context, Forces
 from drone_engine.dynamics.motion import Motion
 from drone_engine.dynamics.sleep import Sleep
 from drone_engine.flight import pilot, rotors
@@ -42,24 +43,24 @@ from drone_engine.state import State
 
 
 @kernel
-def rest(awake, force, torque, air):
-    """Nothing acts on the bodies that are awake."""
+def clear_forces(awake, force, torque, air_velocity):
+    """Clears the forces (n, 3) and torques (n, 3) of awake bodies, and the air's velocity."""
     for k in range(1, 1 + awake[0]):
         for c in range(3):
             force[awake[k], c] = torque[awake[k], c] = 0.0
-    air[:] = 0.0
+    air_velocity[:] = 0.0
 
 
 @kernel
 def age(silence):
-    """Commands become a step older."""
+    """Counts the steps since each drone got a command, silence (d,)."""
     for d in range(silence.shape[0]):
         silence[d] += 1
 
 
 @kernel
 def tick(step):
-    """Counts the steps."""
+    """Counts the steps since the start, step (1,)."""
     step[0] += 1
 
 
@@ -89,53 +90,52 @@ class World:
         self._start = self.state.copy()
 
     def _build(self) -> None:
-        """What this scene calls for, and nothing else, in the order in which it happens."""
-        m, s = self.model, self.state
+        """Builds the stages that the scene needs, and no others."""
+        m, s, dynamics = self.model, self.state, self.scene.dynamics
         active = effects.parameters(self.scene)
-        stirred = m.bodies.count if any(name in active for name in effects.AIR) else 0
-        force, torque = np.zeros((2, m.bodies.count, 3))
-        forces = self.forces = effects.Forces(force, torque, np.zeros((stirred, 3)), np.zeros(len(m.rotors.names)),
-                                              np.zeros(1), m.bodies.inverse_mass.copy(), m.bodies.inertia_b.copy())
-        setting = effects.Setting(m, s, forces, self.dt, self.scene.seed, active, self.scene.dynamics.substeps)
-        flying, spinning = len(m.drones.body) > 0, len(m.rotors.names) > 0
-        self.detection = Detection(m, s, self.dt)
-        self._events = EventDetector(lambda: self.detection.manifolds,
-                                     lambda: self.sleep.touching if self.sleep else NOTHING)
+        moves_air = [name for name in active if effects.moves_air(name, self.scene)]
+        self.forces = Forces.none(m, bool(moves_air))
+        context = Context(m, s, self.forces, self.dt, dynamics.substeps, self.scene.seed, active)
+        self.detection = Detection(context)
+        self._events = EventDetector(self.detection.manifolds, lambda: self.sleep.touching if self.sleep else NOTHING)
 
-        self.effects = {name: effects.effect(name).build(p, setting) for name, p in active.items()}
-        built = list(self.effects.items())
-        if flying:
-            air = sum(name in effects.AIR for name in active)
-            built.insert(air, ("flight", flight.build(setting, active, self.scene.path)))
-        self.acting = self._put_together("forces", [Stage("rest", rest, (s.awake, *forces[:3])),
-                                                    *(stage for _, stages in built for stage in stages.force)])
-        self.steering = self._put_together("sub-steps", [stage for _, stages in built for stage in stages.substep])
-        self._before = [Stage("commands", age, (s.silence,))] if flying else []
-        self._before += [stage for _, stages in built for stage in stages.step]
-        self.motion = Motion(self.scene.dynamics.integrator, setting, self.acting, self.steering,
-                             lambda: self.detection.manifolds, self.scene.dynamics.passes)
-        self._alone = m.bodies.solid.sum() + len(m.floors) < 2  # so that nothing can touch anything
-        calm = not self._alone and not any(name in effects.UNSTEADY for name in active)
-        self.sleep = Sleep(setting, self.detection) if self.scene.dynamics.sleep and calm else None
+        self.effects = {name: effects.effect(name, self.scene).build(p, context) for name, p in active.items()}
+        flying = len(m.drones.body) > 0
+        # Flight models push against the air, so they come after the effects that move it.
+        built = [*(stages for name, stages in self.effects.items() if name in moves_air),
+                 *([flight.build(context, self.scene)] if flying else []),
+                 *(stages for name, stages in self.effects.items() if name not in moves_air)]
+        self.force_program = self._program("force", [
+            context.stage("clear forces", clear_forces), *(stage for each in built for stage in each.force)])
+        self.substep_program = self._program("substep", [stage for each in built for stage in each.substep])
+        self.motion = Motion(dynamics.integrator, context, self.force_program, self.substep_program, dynamics.passes)
+        self._isolated = m.bodies.solid.sum() + len(m.floors) < 2  # nothing can touch anything
+        may_sleep = dynamics.sleep and not self._isolated and not any(
+            effects.unsteady(name, self.scene) for name in active)
+        self.sleep = Sleep(context, self.detection) if may_sleep else None
+
+        self._before = [context.stage("commands", age)] if flying else []
+        self._before += [stage for each in built for stage in each.step]
         self._after = [self.sleep.falling_asleep] if self.sleep else []
-        if flying and not self._alone:
-            self._after += [pilot.build_landing(setting, lambda: self.detection.manifolds)]
-        if spinning:
-            self._after += rotors.build(setting)
-        self._after += [Stage("clock", tick, (s.step,))]
+        if flying and not self._isolated:
+            self._after += [pilot.build_landing(context)]
+        self._after += rotors.build(context)
+        self._after += [context.stage("clock", tick)]
         self._assemble()
 
     def _assemble(self) -> None:
-        """Puts the stages together."""
-        before, after = ((), ()) if self._alone else (self.detection.stages, (self.detection.catching,))
-        waking = [self.sleep.waking] if self.sleep else []
-        self.program = self._put_together("step", [*self._before, *before, *waking, self.motion.stage, *after,
-                                                   *self._after])
+        """Puts the stages of a step together, in order."""
+        detection = () if self._isolated else self.detection.stages
+        waking = (self.sleep.waking,) if self.sleep else ()
+        catch = () if self._isolated else (self.detection.catch,)
+        self.program = self._program("step", [
+            *self._before, *detection, *waking, self.motion.stage, *catch, *self._after])
         self.detection.belong_to(self.program)
         self.motion.belong_to(self.program)
         self._ready = False
 
-    def _put_together(self, name: str, stages: list[Stage]) -> Program:
+    def _program(self, name: str, stages: list[Stage]) -> Program:
+        """The program of these stages, with clock readings between them if the world is timed."""
         if self._timed:
             self._laps[name] = Laps(stages)
             stages = self._laps[name].stages
@@ -157,10 +157,8 @@ class World:
         """Finds the contacts of the state as it is, as a step does before it moves anything."""
         if not self._ready:
             self.compile()
-        if self._alone:
-            return
-        names = [stage.name for stage in self.program.stages]
-        self.program.run(1, names.index("keep"), names.index("warm start") + 1)
+        if not self._isolated:
+            self.program.run_through(self.detection.keep, self.detection.warm_start)
 
     def command(self, drone: str, command: Command) -> None:
         """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
@@ -209,7 +207,7 @@ class World:
         """Back to the start, as if just loaded."""
         self.state.assign(self._start)
         bodies = self.model.bodies
-        self.forces.inverse_mass[:], self.forces.inertia_b[:] = bodies.inverse_mass, bodies.inertia_b
+        self.forces.inverse_mass[:], self.forces.inertia[:] = bodies.inverse_mass, bodies.inertia_b
         self.detection.clear()
         if self.sleep:
             self.sleep.forget()
@@ -219,26 +217,25 @@ class World:
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
         """Compiles all kernels of the step, telling which comes next, and leaves the world as it is."""
-        programs = (self.acting, self.steering, self.program)
-        total, done = sum(bool(stage.name) for each in programs for stage in each.stages), count()
+        programs = (self.force_program, self.substep_program, self.program)
+        total, done = sum(not stage.timer for each in programs for stage in each.stages), count()
         for program in programs:
             program.compile(lambda _, __, name: report(next(done), total, name) if name else None)
         self.detection.compile()
         self._ready = True
 
     def stage_names(self) -> list[str]:
-        """What a step is made of: the stages in order, and after 'motion' those that it runs in its sub-steps."""
-        inner = (*self.steering.stages, *self.acting.stages)
-        forces = [f"motion: {stage.name}" for stage in inner if stage.name]
-        names = [stage.name for stage in self.program.stages if stage.name]
+        """The stages of a step in order; the stages of sub-steps and forces follow 'motion', as 'motion: <name>'."""
+        inner = [f"motion: {name}" for name in (*_names(self.substep_program), *_names(self.force_program))]
+        names = _names(self.program)
         at = names.index("motion") + 1
-        return list(dict.fromkeys([*names[:at], *forces, *names[at:]]))
+        return list(dict.fromkeys([*names[:at], *inner, *names[at:]]))
 
     def stage_times(self) -> dict[str, float]:
-        """us per step of each stage since this was last called, by `stage_names`; empty unless the world is timed."""
+        """us per step of each stage since the last call, by `stage_names`; empty unless the world is timed."""
         if not self._timed:
             return {}
-        return times(self._laps["step"], "motion", [self._laps[name] for name in ("sub-steps", "forces")])
+        return times(self._laps["step"], "motion", [self._laps[name] for name in ("substep", "force")])
 
     @property
     def time(self) -> float:
@@ -285,3 +282,7 @@ class World:
         """Pose (7,) of an object that is a body."""
         pose: Floats = self.object_poses()[self.model.bodies.names.index(name)]
         return pose
+
+
+def _names(program: Program) -> list[str]:
+    return [stage.name for stage in program.stages if not stage.timer]

@@ -45,7 +45,7 @@ def flown(world: World, steps: int = 60) -> list[str]:
 
 
 def stages(world: World) -> list[Stage]:
-    return [*world.steering.stages, *world.acting.stages, *world.program.stages]
+    return [*world.substep_program.stages, *world.force_program.stages, *world.program.stages]
 
 
 def modules(world: World) -> set[str]:
@@ -96,7 +96,7 @@ def test_nothing_of_it_is_built_for_a_scene_without_it(world: Make, name: str) -
         assert module not in modules(scene)
         assert name not in {stage.name for stage in stages(scene)}
         assert not any(re.match(rf"{name}\b", key) for key in scene.state.memory)
-    assert bare.forces.air_w.size == 0
+    assert bare.forces.air_velocity.size == 0
 
 
 def test_it_does_something_where_it_is_named(world: Make, name: str) -> None:

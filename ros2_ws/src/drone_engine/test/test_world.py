@@ -52,13 +52,14 @@ def test_stages_are_what_the_scene_calls_for(world: Make) -> None:
         return world(objects, rest).stage_names()
 
     crates, awake = "crate: {model: crate, mass: 1, poses: [[0, 0, 0], [2, 0, 0]]}", "dynamics: {sleep: false}\n"
-    assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: rest", "clock"]
+    assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: clear forces", "clock"]
     found = ["keep", "broad phase", "contacts", "impacts", "warm start"]
-    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: rest", "catch", "clock"]
+    assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: clear forces", "catch", "clock"]
     assert stages(crates, "effects: {drag: {}, gravity: {}}") == [
-        *found, "waking", "motion", "motion: rest", "motion: gravity", "motion: drag", "catch", "sleep", "clock"]
+        *found, "waking", "motion", "motion: clear forces", "motion: gravity", "motion: drag", "catch", "sleep",
+        "clock"]
     assert stages(BUSY, awake + "effects: {}") == [
-        "commands", "pilot", "direct", *found, "motion", "motion: rest", "motion: flight", "catch",
+        "commands", "pilot", "direct", *found, "motion", "motion: clear forces", "motion: flight", "catch",
         "landing", "rotors", "clock"]
 
 

@@ -109,14 +109,14 @@ def concatenated(one: ContactPoints, other: ContactPoints) -> ContactPoints:
 class EventDetector:
     """Compares the contacts of the last step with those of the step before."""
 
-    def __init__(self, manifolds: Callable[[], Manifolds], asleep: Callable[[], TouchingPairs]) -> None:
+    def __init__(self, manifolds: Manifolds, asleep: Callable[[], TouchingPairs]) -> None:
         """asleep: touching pairs of sleeping bodies; they count as persisting."""
         self._manifolds, self._asleep = manifolds, asleep
 
     @property
     def current(self) -> ContactEvents:
         """The events of the last step."""
-        m = self._manifolds()
+        m = self._manifolds
         count, touch = m.count, np.empty((m.count, 5))
         all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
         now = touching_pairs(m.pair[:count], m.level[:count], m.normal_w[:count], touch)

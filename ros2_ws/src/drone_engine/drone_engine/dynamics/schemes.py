@@ -1,8 +1,12 @@
 """How a step is integrated: the kernels that a scene's `integrator` chooses from.
 
 Bodies near no other are free: the scheme carries them, asking for forces as often as it needs. Those in contact are
-held: forces push them once a sub-step, the solver meets the contacts, and they move. `function` and `address` are the
-stages of forces, `steer` those that come once a sub-step, as program.py has them.
+held: forces push them once a sub-step, the solver meets the contacts, and they move.
+
+Parameters of the three: force_program, substep_program: Compiled stages; contacts: ContactArrays; awake: (n + 1,);
+state of n bodies in the world: position (n, 3) m, orientation (n, 4), velocity (n, 3) m/s, angular_velocity (n, 3)
+rad/s, in and out; forces: Forces; friction, restitution: (n,) coefficients; solver: SolverArrays; substeps of length h
+s; iterations: of the contact solver, at most. They return 0, or a code that `Motion` handles.
 """
 
 from drone_engine.dynamics.contact_constraints import take_back
@@ -41,26 +45,33 @@ def put_back(i, position, orientation, velocity, angular, trial):
 
 
 @kernel
-def semi_implicit_euler(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor,
-                        separation, impulse, friction, total, position, orientation, velocity, angular, force, torque,
-                        inverse_mass, inertia, radius, rough, springy, free, held, mark, start, tensor, moving,
-                        gathered, hurried, used, colours, size, unit, body, table, trial, substeps, passes, h):
+def semi_implicit_euler(force_program, substep_program, contacts, awake, position, orientation, velocity,
+                        angular_velocity, forces, friction, restitution, solver, substeps, iterations, h):
     """First order: velocities from forces, then positions from the new velocities."""
+    end, pair, points, normal, anchor = contacts.end, contacts.pair, contacts.points, contacts.normal, contacts.anchor
+    separation, impulse, total = contacts.separation, contacts.impulse, contacts.total
+    friction_impulse = contacts.friction_impulse
+    force, torque, inverse_mass, inertia = forces.force, forces.torque, forces.inverse_mass, forces.inertia
+    radius, free, held, mark, start, tensor = (solver.radius, solver.free, solver.held, solver.mark, solver.start,
+                                               solver.tensor)
+    moving, gathered, hurried, used = solver.moving, solver.gathered, solver.hurried, solver.used
+    colours, size, unit, body, table = solver.colours, solver.size, solver.unit, solver.body, solver.table
+    angular, clock = angular_velocity, forces.time_in_step
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
     groups, bouncing = 0, False
     if count:
-        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                       hurried, used, colours, size, unit, body, table)
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction_impulse, position,
+                       orientation, velocity, angular, inverse_mass, inertia, radius, friction, restitution, held,
+                       start, tensor, moving, hurried, used, colours, size, unit, body, table)
         if groups < 0:
             return groups
     for sub in range(substeps):
         clock[0] = sub * h
-        run_once(steer, steer_address)
-        run_once(function, address)
+        run_once(substep_program)
+        run_once(force_program)
         if count:
             take_speeds(held, velocity, angular, moving)
             bouncing = note(groups, body, table, moving, gathered, h)
@@ -70,33 +81,40 @@ def semi_implicit_euler(function, address, steer, steer_address, clock, awake, e
             move(free[k], position, orientation, velocity, angular, h)
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
-                 moving, gathered, bouncing, h, passes, False)
+                 moving, gathered, bouncing, h, iterations, False)
     if count:
-        take_back(groups, unit, points, table, impulse, friction, total)
+        take_back(groups, unit, points, table, impulse, friction_impulse, total)
     return 0
 
 
 @kernel
-def midpoint(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation,
-             impulse, friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia,
-             radius, rough, springy, free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size,
-             unit, body, table, trial, substeps, passes, h):
+def midpoint(force_program, substep_program, contacts, awake, position, orientation, velocity, angular_velocity,
+             forces, friction, restitution, solver, substeps, iterations, h):
     """Second order: forces are those half a sub-step ahead; spin keeps energy and momentum (implicit midpoint rule)."""
+    end, pair, points, normal, anchor = contacts.end, contacts.pair, contacts.points, contacts.normal, contacts.anchor
+    separation, impulse, total = contacts.separation, contacts.impulse, contacts.total
+    friction_impulse = contacts.friction_impulse
+    force, torque, inverse_mass, inertia = forces.force, forces.torque, forces.inverse_mass, forces.inertia
+    radius, free, held, mark, start, tensor = (solver.radius, solver.free, solver.held, solver.mark, solver.start,
+                                               solver.tensor)
+    moving, gathered, hurried, used = solver.moving, solver.gathered, solver.hurried, solver.used
+    colours, size, unit, body, table = solver.colours, solver.size, solver.unit, solver.body, solver.table
+    trial, angular, clock = solver.trial, angular_velocity, forces.time_in_step
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
     groups, bouncing = 0, False
     if count:
-        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                       hurried, used, colours, size, unit, body, table)
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction_impulse, position,
+                       orientation, velocity, angular, inverse_mass, inertia, radius, friction, restitution, held,
+                       start, tensor, moving, hurried, used, colours, size, unit, body, table)
         if groups < 0:
             return groups
     for sub in range(substeps):
         clock[0] = sub * h
-        run_once(steer, steer_address)
-        run_once(function, address)
+        run_once(substep_program)
+        run_once(force_program)
         if count:
             take_speeds(held, velocity, angular, moving)
             bouncing = note(groups, body, table, moving, gathered, h)
@@ -104,7 +122,7 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
-                 moving, gathered, bouncing, h, passes, True)
+                 moving, gathered, bouncing, h, iterations, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 i = free[k]
@@ -115,7 +133,7 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
                 wx, wy, wz = to_body(orientation, i, trial[i, 10], trial[i, 11], trial[i, 12])
                 cayley(orientation, i, wx, wy, wz, 0.5 * h)
             clock[0] = (sub + 0.5) * h
-            run_once(function, address)
+            run_once(force_program)
             for k in range(1, 1 + free[0]):
                 i = free[k]
                 tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
@@ -129,31 +147,38 @@ def midpoint(function, address, steer, steer_address, clock, awake, end, pair, p
                 cayley(orientation, i, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
                 angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, bx, by, bz)
     if count:
-        take_back(groups, unit, points, table, impulse, friction, total)
+        take_back(groups, unit, points, table, impulse, friction_impulse, total)
     return 0
 
 
 @kernel
-def rk4(function, address, steer, steer_address, clock, awake, end, pair, points, normal, anchor, separation, impulse,
-        friction, total, position, orientation, velocity, angular, force, torque, inverse_mass, inertia, radius, rough,
-        springy, free, held, mark, start, tensor, moving, gathered, hurried, used, colours, size, unit, body, table,
-        trial, substeps, passes, h):
+def rk4(force_program, substep_program, contacts, awake, position, orientation, velocity, angular_velocity,
+        forces, friction, restitution, solver, substeps, iterations, h):
     """Fourth order: Runge and Kutta's classical scheme, on position, orientation, velocity and spin of free bodies."""
+    end, pair, points, normal, anchor = contacts.end, contacts.pair, contacts.points, contacts.normal, contacts.anchor
+    separation, impulse, total = contacts.separation, contacts.impulse, contacts.total
+    friction_impulse = contacts.friction_impulse
+    force, torque, inverse_mass, inertia = forces.force, forces.torque, forces.inverse_mass, forces.inertia
+    radius, free, held, mark, start, tensor = (solver.radius, solver.free, solver.held, solver.mark, solver.start,
+                                               solver.tensor)
+    moving, gathered, hurried, used = solver.moving, solver.gathered, solver.hurried, solver.used
+    colours, size, unit, body, table = solver.colours, solver.size, solver.unit, solver.body, solver.table
+    trial, angular, clock = solver.trial, angular_velocity, forces.time_in_step
     count = end[-1]
     if count > colours.shape[0]:
         return count
     sort_out(awake, count, pair, free, held, mark)
     groups, bouncing = 0, False
     if count:
-        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction, position, orientation,
-                       velocity, angular, inverse_mass, inertia, radius, rough, springy, held, start, tensor, moving,
-                       hurried, used, colours, size, unit, body, table)
+        groups = begin(count, pair, points, normal, anchor, separation, impulse, friction_impulse, position,
+                       orientation, velocity, angular, inverse_mass, inertia, radius, friction, restitution, held,
+                       start, tensor, moving, hurried, used, colours, size, unit, body, table)
         if groups < 0:
             return groups
     for sub in range(substeps):
         clock[0] = sub * h
-        run_once(steer, steer_address)
-        run_once(function, address)
+        run_once(substep_program)
+        run_once(force_program)
         if count:
             take_speeds(held, velocity, angular, moving)
             bouncing = note(groups, body, table, moving, gathered, h)
@@ -161,19 +186,19 @@ def rk4(function, address, steer, steer_address, clock, awake, end, pair, points
             push_midpoint(held[k], orientation, velocity, angular, inverse_mass, inertia, force, torque, h)
         if count:
             meet(held, groups, body, table, position, orientation, velocity, angular, inverse_mass, force, start,
-                 moving, gathered, bouncing, h, passes, True)
+                 moving, gathered, bouncing, h, iterations, True)
         if free[0]:
             for k in range(1, 1 + free[0]):
                 keep_trial(free[k], position, orientation, velocity, angular, trial)
             for stage in range(4):
                 if stage:
                     clock[0] = (sub + (0.5 if stage < 3 else 1.0)) * h
-                    run_once(function, address)
+                    run_once(force_program)
                 for k in range(1, 1 + free[0]):
                     runge_kutta(stage, free[k], position, orientation, velocity, angular, inverse_mass, inertia, force,
                                 torque, trial, h)
     if count:
-        take_back(groups, unit, points, table, impulse, friction, total)
+        take_back(groups, unit, points, table, impulse, friction_impulse, total)
     return 0
 
 

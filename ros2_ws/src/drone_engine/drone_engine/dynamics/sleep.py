@@ -12,19 +12,20 @@ from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.events import ContactPoints, TouchingPairs, all_touches, contact_points, touching_pairs
 from drone_engine.collision.manifold import PARTS, SWEPT
 from drone_engine.collision.pipeline import Detection
-from drone_engine.effects import Setting
+from drone_engine.context import Context
 from drone_engine.kernel import kernel
 from drone_engine.program.stage import Stage
 
 QUIET = 0.005  # m/s, the fastest point of a body that rests
 PATIENCE = 0.5  # s for which it has to
-KEPT = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction")  # of a manifold
+KEPT = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction_impulse")  # of a manifold
 SHOWN = ("anchor_w", "separation")  # of a manifold: kept for those who look at what sleeps
 
 
 @kernel
-def disturbed(end, pair, sleeping):
+def disturbed(contacts, sleeping):
     """Whether a body that is awake has come near one that sleeps."""
+    end, pair = contacts.end, contacts.pair
     for i in range(end[PARTS - 1]):
         if sleeping[pair[i, 0]] or sleeping[pair[i, 1]]:
             return 1
@@ -32,11 +33,13 @@ def disturbed(end, pair, sleeping):
 
 
 @kernel
-def fall_asleep(awake, still, velocity, angular, radius, dt, drone, landed, end, pair, points, total, movable, root,
+def fall_asleep(awake, still, velocity, angular_velocity, radius, dt, drone_body, landed, contacts, movable, root,
                 patience, borne):
     """Counts for how long bodies have been still; returns whether an island has been for long enough, and writes for
     each body the first of its island, root (n,), and for that the time of its last to come to rest: 0 if no contact
     bears it, borne (n,), as what merely stands still for a moment may be about to fall."""
+    end, pair, points, total = contacts.end, contacts.pair, contacts.points, contacts.total
+    drone, angular = drone_body, angular_velocity
     tired = False
     for k in range(1, 1 + awake[0]):
         i = awake[k]
@@ -90,33 +93,22 @@ def fall_asleep(awake, still, velocity, angular, radius, dt, drone, landed, end,
 class Sleep:
     """The stages that wake and send to sleep, and the contacts of those who sleep."""
 
-    def __init__(self, setting: Setting, detection: Detection) -> None:
-        n = setting.model.bodies.count
-        self._setting, self._detection = setting, detection
-        self._radius: Floats = np.linalg.norm(setting.model.bodies.half, axis=1)
+    def __init__(self, context: Context, detection: Detection) -> None:
+        n = context.model.bodies.count
+        self._context, self._detection = context, detection
+        self._radius: Floats = np.linalg.norm(context.model.bodies.half, axis=1)
         self._root, self._patience, self._borne = np.zeros(n, np.int64), np.zeros(n), np.zeros(n, np.bool_)
         self.forget()
         detection.on_waking = self._hand_over
+        self.waking = Stage("waking", disturbed, context.scope, handle=self._wake_disturbed)
+        self.falling_asleep = Stage("sleep", fall_asleep, context.scope, {
+            "radius": self._radius, "root": self._root, "patience": self._patience, "borne": self._borne},
+            self._send_to_sleep)
 
     def forget(self) -> None:
         """Nobody sleeps."""
         self._part: Integers = np.empty(0, np.int64)
         self._kept: dict[str, Any] = {}
-
-    @property
-    def waking(self) -> Stage:
-        return Stage("waking", disturbed, lambda: (self._detection.manifolds.end, self._detection.manifolds.pair,
-                                                   self._detection.sleeping), self._wake_disturbed)
-
-    @property
-    def falling_asleep(self) -> Stage:
-        return Stage("sleep", fall_asleep, self._arguments, self._send_to_sleep)
-
-    def _arguments(self) -> tuple[Any, ...]:
-        s, model, m = self._setting.state, self._setting.model, self._detection.manifolds
-        return (s.awake, s.still, s.velocity_w, s.angular_velocity_w, self._radius, self._setting.dt, model.drones.body,
-                s.landed, m.end, m.pair, m.points, m.total, model.bodies.movable, self._root, self._patience,
-                self._borne)
 
     @property
     def touching(self) -> TouchingPairs:
@@ -134,9 +126,9 @@ class Sleep:
 
     def wake(self, bodies: Integers) -> None:
         """Wakes these bodies and their islands."""
-        woken = np.zeros(self._setting.model.bodies.count, np.bool_)
+        woken = np.zeros(self._context.model.bodies.count, np.bool_)
         woken[bodies] = True
-        movable = self._setting.model.bodies.movable
+        movable = self._context.model.bodies.movable
         if len(self._part):
             pair = self._kept["pair"]
             joins = movable[pair].all(axis=1)
@@ -145,28 +137,28 @@ class Sleep:
                 if woken[pair[touched]].all():
                     break
                 woken[pair[touched]] = True
-        s = self._setting.state
+        s = self._context.state
         s.still[woken & movable] = 0.0
         self._set_awake(s.is_awake | (woken & movable))
 
     def _set_awake(self, awake: np.ndarray) -> None:
         which = np.flatnonzero(awake)
-        s = self._setting.state
+        s = self._context.state
         s.awake[:] = 0
         s.awake[0], s.awake[1 : 1 + len(which)] = len(which), which
 
-    def _wake_disturbed(self, code: int) -> str:
+    def _wake_disturbed(self, code: int) -> Stage:
         m = self._detection.manifolds
         pair = m.pair[: m.count]
         self.wake(np.unique(pair[self._detection.sleeping[pair]]))
-        return "broad phase"
+        return self._detection.broad_phase
 
     def _hand_over(self) -> None:
         """Gives the contacts of those who have woken to the last step's, from which this step's start."""
         if not len(self._part):
             return
-        m, movable = self._detection.manifolds, self._setting.model.bodies.movable
-        back = (self._setting.state.is_awake | ~movable)[self._kept["pair"]].all(axis=1)
+        m, movable = self._detection.manifolds, self._context.model.bodies.movable
+        back = (self._context.state.is_awake | ~movable)[self._kept["pair"]].all(axis=1)
         if not back.any():
             return
         count = int(m.last.end[-1])
@@ -175,7 +167,7 @@ class Sleep:
         joined = {name: np.concatenate([getattr(m.last, name)[:count], self._kept[name][back]])
                   for name in (*KEPT, "touch")}
         order = np.lexsort((joined["pair"][:, 1], joined["pair"][:, 0], part))
-        m.last = m.last.with_room(2 * len(order))
+        m.last.reserve(2 * len(order))
         for name, array in joined.items():
             getattr(m.last, name)[: len(order)] = array[order]
         m.last.end[:] = np.searchsorted(part[order], np.arange(PARTS), side="right")
@@ -183,7 +175,7 @@ class Sleep:
         self._kept = {name: array[~back] for name, array in self._kept.items()}
 
     def _send_to_sleep(self, code: int) -> None:
-        s, m = self._setting.state, self._detection.manifolds
+        s, m = self._context.state, self._detection.manifolds
         awake = s.is_awake
         asleep = awake & (self._patience[self._root] >= PATIENCE)
         s.velocity_w[asleep] = s.angular_velocity_w[asleep] = 0.0

@@ -15,11 +15,10 @@ import math
 import numpy as np
 from pydantic import Field
 
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.effects.disks import disks
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 SLOPE = 1.0 / math.sqrt(math.log(2.0))  # of b over the half-width at half speed
@@ -34,7 +33,7 @@ class Parameters(Strict):
 
 @kernel
 def pressure(thrust, density, radius, spread, down, square):
-    """Square of a jet's speed, m^2/s^2, `down` m below its rotor at the root of `square` m from its axis."""
+    """Square of a jet's speed, m^2/s^2, `down` m below its rotor; square: m^2, of the distance from its axis."""
     b = max(radius, spread * SLOPE * down)
     if square > (REACH * b) ** 2:
         return 0.0
@@ -42,8 +41,12 @@ def pressure(thrust, density, radius, spread, down, square):
 
 
 @kernel
-def aim(body, place, axis, thrust, position, orientation, jet):
-    """Writes the jets of r rotors, (r, 7): where they begin, which way they blow, and whether they do."""
+def aim(disks, thrust, position, orientation, jet):
+    """Writes the jets of r rotors, jet (r, 7): origin (m) and unit direction in the world, and 1 where there is thrust.
+
+    disks: the rotors; thrust: (r,) N; position: (n, 3) m; orientation: (n, 4) x y z w.
+    """
+    body, place, axis = disks.body, disks.place_b, disks.axis_b
     for r in range(body.shape[0]):
         i = body[r]
         m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
@@ -56,7 +59,7 @@ def aim(body, place, axis, thrust, position, orientation, jet):
 
 @kernel
 def _passes_by(position, i, ball, jet, r, radius, spread):
-    """Whether a jet cannot reach a ball around the body."""
+    """Whether jet r cannot reach the bounding sphere, of radius `ball` m, of body i."""
     x, y, z = position[i, 0] - jet[r, 0], position[i, 1] - jet[r, 1], position[i, 2] - jet[r, 2]
     down = x * jet[r, 3] + y * jet[r, 4] + z * jet[r, 5]
     if down <= -ball:
@@ -66,11 +69,13 @@ def _passes_by(position, i, ball, jet, r, radius, spread):
 
 
 @kernel
-def wash(awake, position, orientation, half, body, radius, thrust, jet, density, spread, air):
-    """Adds the jets of r rotors to the air's velocity (n, 3) around all bodies but their own.
+def wash(awake, position, orientation, half, disks, thrust, jet, density, spread, air_velocity):
+    """Adds the jets of r rotors to air_velocity (n, 3), m/s, around all awake bodies except the rotor's own.
 
-    Their pressure is the mean over the four points of Gauss in the middle of the body's box.
+    The dynamic pressure is the mean over four Gauss points in the middle plane of the body's box. half: (n, 3) m; jet:
+    (r, 7) from `aim`; density: kg/m^3; spread: half-width at half speed, per distance.
     """
+    body, radius = disks.body, disks.radius
     point = 1.0 / math.sqrt(3.0)
     for k in range(1, 1 + awake[0]):
         i = awake[k]
@@ -95,20 +100,20 @@ def wash(awake, position, orientation, half, body, radius, thrust, jet, density,
         total = math.sqrt(sx * sx + sy * sy + sz * sz)
         if total > 0.0:
             speed = 1.0 / math.sqrt(total)
-            air[i, 0] += sx * speed
-            air[i, 1] += sy * speed
-            air[i, 2] += sz * speed
+            air_velocity[i, 0] += sx * speed
+            air_velocity[i, 1] += sy * speed
+            air_velocity[i, 2] += sz * speed
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    p, model, s, forces = parameters, setting.model, setting.state, setting.forces
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    model = context.model
     if not model.rotors.names:
         return Stages(idle="no drone in the scene has rotors")
     if model.bodies.movable.sum() < 2:
         return Stages(idle="nothing but the drone moves")
-    d = disks(model, p.radius)
-    jet = np.zeros((len(d.body), 7))
+    rotors = disks(model, parameters.radius)
+    jet = np.zeros((len(rotors.body), 7))
     return Stages(force=(
-        Stage("downwash", aim, (d.body, d.place_b, d.axis_b, forces.thrust, s.position_w, s.orientation_w, jet)),
-        Stage("downwash", wash, (s.awake, s.position_w, s.orientation_w, model.bodies.half, d.body, d.radius,
-                                 forces.thrust, jet, p.density, p.spread, forces.air_w))))
+        context.stage("downwash", aim, disks=rotors, jet=jet),
+        context.stage("downwash", wash, disks=rotors, jet=jet, density=parameters.density, spread=parameters.spread)))

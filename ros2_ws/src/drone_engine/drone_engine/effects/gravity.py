@@ -2,9 +2,8 @@
 
 from pydantic import Field
 
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.kernel import kernel
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 
@@ -14,12 +13,11 @@ class Parameters(Strict):
 
 @kernel
 def pull(awake, mass, acceleration, force):
-    """Adds the weight of the bodies that are awake to force (n, 3)."""
+    """Adds the weight of awake bodies to force (n, 3), N; mass: (n,) kg; acceleration: m/s^2."""
     for k in range(1, 1 + awake[0]):
         force[awake[k], 2] -= acceleration * mass[awake[k]]
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    mass = setting.model.bodies.mass
-    return Stages(force=(Stage("gravity", pull, (setting.state.awake, mass, parameters.acceleration,
-                                                 setting.forces.force_w)),))
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    return Stages(force=(context.stage("gravity", pull, acceleration=parameters.acceleration),))

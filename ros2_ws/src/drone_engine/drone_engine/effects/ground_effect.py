@@ -13,11 +13,10 @@ from pydantic import Field
 
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.collision.terrain.height_field import below
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.effects.disks import disks
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 CLOSEST = 0.5  # R
@@ -38,10 +37,14 @@ def gain(radius, height, speed, induced):
 
 
 @kernel
-def lift(floors, frame, start, entry, face, body, place, axis, radius, thrust, position, orientation, velocity, air,
-         density, force, torque):
-    """Adds what r rotors gain to force and torque (n, 3). floors: (f,) heights in m; frame to face: as Terrain has
-    them, or empty; air: (n, 3) m/s, or (0, 3)."""
+def lift(floors, frame, start, entry, face, disks, thrust, position, orientation, velocity, air_velocity, density,
+         force, torque):
+    """Adds the additional thrust of r rotors near the ground to force (N) and torque (N m), (n, 3) in the world.
+
+    floors: (f,) heights in m; frame, start, entry, face: those of the height field, or empty; disks: the rotors;
+    thrust: (r,) N; air_velocity: (n, 3) m/s, or (0, 3) where the air is at rest; density: kg/m^3.
+    """
+    body, place, axis, radius = disks.body, disks.place_b, disks.axis_b, disks.radius
     for r in range(body.shape[0]):
         if thrust[r] <= 0.0:
             continue
@@ -68,8 +71,8 @@ def lift(floors, frame, start, entry, face, body, place, axis, radius, thrust, p
         if height == math.inf:
             continue
         vx, vy = velocity[i, 0], velocity[i, 1]
-        if air.shape[0]:
-            vx, vy = vx - air[i, 0], vy - air[i, 1]
+        if air_velocity.shape[0]:
+            vx, vy = vx - air_velocity[i, 0], vy - air_velocity[i, 1]
         induced = math.sqrt(thrust[r] / (2.0 * density * math.pi * radius[r] * radius[r]))
         more = thrust[r] * gain(radius[r], height, math.sqrt(vx * vx + vy * vy), induced)
         fx, fy, fz = more * ax, more * ay, more * az
@@ -81,15 +84,17 @@ def lift(floors, frame, start, entry, face, body, place, axis, radius, thrust, p
         torque[i, 2] += px * fy - py * fx
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    model, s, forces = setting.model, setting.state, setting.forces
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    model = context.model
     if not model.rotors.names:
         return Stages(idle="no drone in the scene has rotors")
     if not model.floors:
         return Stages(idle="no floor or ground in the scene")
     floors = np.array([floor.height for floor in model.floors if math.isfinite(floor.height)], np.float64)
     land = terrain.of(model)
-    tables = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
-    return Stages(force=(Stage("ground_effect", lift, (
-        floors, *tables, *disks(model, parameters.radius), forces.thrust, s.position_w, s.orientation_w, s.velocity_w,
-        forces.air_w, parameters.density, forces.force_w, forces.torque_w)),))
+    frame, start, entry, face = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
+    rotors = disks(model, parameters.radius)
+    return Stages(force=(context.stage(
+        "ground_effect", lift, floors=floors, frame=frame, start=start, entry=entry, face=face, disks=rotors,
+        density=parameters.density),))

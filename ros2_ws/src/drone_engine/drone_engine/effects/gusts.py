@@ -14,10 +14,9 @@ import math
 import numpy as np
 from pydantic import Field
 
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.effects.noise import normals, streams
 from drone_engine.kernel import kernel
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 FOOT = 0.3048  # m
@@ -74,9 +73,10 @@ def shape(a, b):
 
 @kernel
 def stir(awake, position, velocity, mean, stream, step, wind, ground, dt, memory, gust):
-    """Advances the filters of each body, memory (n, 5): u, a and b of v, of w; writes its gust (n, 3), m/s.
+    """Advances the filters of each awake body, memory (n, 5): u, a and b of v, a and b of w; writes gust (n, 3), m/s.
 
-    mean: (n, 3) m/s, or (0, 3) for none. u is along the mean wind, w up.
+    u is along the mean wind, w up. mean: (n, 3) m/s, or (0, 3) for none; stream: (n,) random streams; step: (1,); wind:
+    m/s at 20 ft; ground: m, height that heights are measured from; dt: s.
     """
     for k in range(1, 1 + awake[0]):
         i = awake[k]
@@ -107,37 +107,38 @@ def stir(awake, position, velocity, mean, stream, step, wind, ground, dt, memory
 
 
 @kernel
-def blow(awake, gust, air):
-    """Adds the gusts to the air's velocity (n, 3)."""
+def blow(awake, gust, air_velocity):
+    """Adds gust (n, 3) to air_velocity (n, 3), m/s, of awake bodies."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         for c in range(3):
-            air[i, c] += gust[i, c]
+            air_velocity[i, c] += gust[i, c]
 
 
-def wind_6m(parameters: Parameters, setting: Setting) -> float:
+def wind_6m(parameters: Parameters, context: Context) -> float:
     """The wind at 20 ft, m/s."""
     if parameters.wind_6m is not None:
         return parameters.wind_6m
-    wind = setting.active.get("wind")
+    wind = context.active.get("wind")
     if wind is None:
         return LIGHT
     horizontal = math.hypot(*wind.mean[:2])  # type: ignore[attr-defined]
     return horizontal * float(wind.factor(20.0 * FOOT))  # type: ignore[attr-defined]
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    names, s, air = setting.model.bodies.names, setting.state, setting.forces.air_w
-    stream = streams(setting.seed, "gusts", names)
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    names = context.model.bodies.names
+    stream = streams(context.seed, "gusts", names)
     start = np.empty((len(names), 5))
-    for i in range(len(names)):  # as if it had blown for ever
+    for i in range(len(names)):  # the stationary distribution, as if the gusts had always blown
         u, a_v = normals(stream[i], 0)
         a_w, b_v = normals(stream[i], 1)
         b_w, _ = normals(stream[i], 2)
         start[i] = u, a_v, 0.5 * (a_v + b_v), a_w, 0.5 * (a_w + b_w)
-    memory, gust = s.remember("gusts", start), np.zeros((len(names), 3))
-    mean = air if "wind" in setting.active else np.empty((0, 3))
+    memory, gust = context.state.remember("gusts", start), np.zeros((len(names), 3))
+    mean = context.forces.air_velocity if "wind" in context.active else np.empty((0, 3))
     return Stages(
-        step=(Stage("gusts", stir, (s.awake, s.position_w, s.velocity_w, mean, stream, s.step,
-                                    wind_6m(parameters, setting), parameters.ground, setting.dt, memory, gust)),),
-        force=(Stage("gusts", blow, (s.awake, gust, air)),))
+        step=(context.stage("gusts", stir, mean=mean, stream=stream, wind=wind_6m(parameters, context),
+                            ground=parameters.ground, memory=memory, gust=gust),),
+        force=(context.stage("gusts", blow, gust=gust),))

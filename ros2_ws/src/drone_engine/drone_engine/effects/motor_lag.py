@@ -9,9 +9,8 @@ import math
 from pydantic import Field
 
 from drone_engine.arrays import Floats
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.kernel import inlined, kernel
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 STOPPED = 1.0  # rad/s, below which friction stops a rotor that is told to
@@ -35,9 +34,13 @@ def stopped(told, rate):
 
 
 @kernel
-def begin(told, speed, clock, keep_up, keep_down, start, began):
-    """At the beginning of a sub-step: keeps the rates (k, 4) there, and writes to `speed` those at its end."""
-    began[0] = clock[0]
+def begin(told, speed, time_in_step, keep_up, keep_down, start, began):
+    """At the beginning of a sub-step: keeps the rates there in `start`, and writes the rates at its end to `speed`.
+
+    told: commanded rates; all (k, 4) rad/s. keep_up, keep_down: what is left of a difference after a sub-step; began:
+    (1,) s, written: when the sub-step began, as time_in_step (1,).
+    """
+    began[0] = time_in_step[0]
     for k in range(told.shape[0]):
         for r in range(4):
             start[k, r] = speed[k, r]
@@ -45,23 +48,26 @@ def begin(told, speed, clock, keep_up, keep_down, start, began):
 
 
 @kernel
-def follow(told, start, clock, began, up, down, now):
-    """Writes the rates (k, 4) at an instant of the sub-step."""
-    t = clock[0] - began[0]
+def follow(told, start, time_in_step, began, up, down, now):
+    """Writes the rates `now` (k, 4), rad/s, at time_in_step (1,), s; up, down: time constants, s."""
+    t = time_in_step[0] - began[0]
     keep_up, keep_down = math.exp(-t / up), math.exp(-t / down)
     for k in range(told.shape[0]):
         for r in range(4):
             now[k, r] = followed(told[k, r], start[k, r], keep_up, keep_down)
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    """Nothing by itself: the flight model puts its rotors' lag between the loops and the forces."""
-    return Stages(idle="" if setting.model.drones.quadrotor.any() else "no drone flies by the model quadrotor")
+def build(parameters: Parameters, context: Context) -> Stages:
+    """Nothing by itself: the flight model puts the lag of its rotors between control and forces."""
+    return Stages(idle="" if context.model.drones.quadrotor.any() else "no drone flies by the model quadrotor")
 
 
-def between(parameters: Parameters, told: Floats, speed: Floats, now: Floats, clock: Floats, h: float) -> Stages:
-    """From what rotors are told to how they turn `now`; all (k, 4) rad/s. speed: kept; h: s of a sub-step."""
-    start, began = told.copy(), clock.copy()
-    keep = math.exp(-h / parameters.up), math.exp(-h / parameters.down)
-    return Stages(substep=(Stage("motor_lag", begin, (told, speed, clock, *keep, start, began)),),
-                  force=(Stage("motor_lag", follow, (told, start, clock, began, parameters.up, parameters.down, now)),))
+def between(parameters: Parameters, context: Context, told: Floats, speed: Floats, now: Floats) -> Stages:
+    """The stages from commanded rotor rates `told` to the rates `now` at each instant; all (k, 4) rad/s. speed: kept
+    from sub-step to sub-step."""
+    start, began = told.copy(), context.forces.time_in_step.copy()
+    up, down = parameters.up, parameters.down
+    return Stages(
+        substep=(context.stage("motor_lag", begin, told=told, speed=speed, keep_up=math.exp(-context.h / up),
+                               keep_down=math.exp(-context.h / down), start=start, began=began),),
+        force=(context.stage("motor_lag", follow, told=told, start=start, began=began, up=up, down=down, now=now),))

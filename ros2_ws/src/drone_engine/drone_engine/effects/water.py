@@ -9,16 +9,16 @@ the scene's: without it nothing floats.
 """
 
 import math
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from drone_engine.effects import STABLE, Setting, Stages, weight
+from drone_engine.context import Context, Stages
+from drone_engine.effects import STABLE, weight
 from drone_engine.effects.submerged import ROWS, submerged
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Place, Strict
 
 Speed = Annotated[float, Field(ge=-100.0, le=100.0)]
@@ -33,16 +33,34 @@ class Parameters(Strict):
     current: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)  # m/s
 
 
+class Sea(NamedTuple):
+    """The water, SI units."""
+
+    level: float  # m, of the surface
+    density: float  # kg/m^3
+    gravity: float  # m/s^2
+    drag: float  # C / 2
+    damping: float  # 1/s
+    added_mass: float  # per mass of displaced water
+    current_x: float  # m/s, world
+    current_y: float
+    current_z: float
+
+
 @kernel
-def float_up(awake, position, orientation, velocity, angular, half, mass, inertia, level, density, gravity, drag,
-             damping, added, cx, cy, cz, h, scratch, force, torque, inverse_mass, whole_inertia):
-    """Adds buoyancy and drag to force and torque (n, 3), and the water that moves along to inverse_mass (n,) and
-    whole_inertia (n, 3). gravity: m/s^2; drag: C / 2; added: c; h: s of a sub-step."""
+def float_up(awake, position, orientation, velocity, angular_velocity, half, mass, body_inertia, sea, h, scratch,
+             force, torque, inverse_mass, inertia):
+    """Adds buoyancy and drag to force (N) and torque (N m), (n, 3), and writes inverse_mass (n,) and inertia (n, 3)
+    with the added mass of the water. half: (n, 3) m; body_inertia: (n, 3) kg m^2 without water; sea: Sea; h: s of a
+    sub-step; scratch: (ROWS, 3)."""
+    level, density, gravity, drag = sea.level, sea.density, sea.gravity, sea.drag
+    damping, added = sea.damping, sea.added_mass
+    cx, cy, cz = sea.current_x, sea.current_y, sea.current_z
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         inverse_mass[i] = 1.0 / mass[i]
         for c in range(3):
-            whole_inertia[i, c] = inertia[i, c]
+            inertia[i, c] = body_inertia[i, c]
         ball = math.sqrt(half[i, 0] ** 2 + half[i, 1] ** 2 + half[i, 2] ** 2)
         if position[i, 2] - ball >= level:
             continue
@@ -55,9 +73,9 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
         more = 1.0 + added * water / mass[i]  # as much as the body alone
         inverse_mass[i] /= more
         for c in range(3):
-            whole_inertia[i, c] *= more
+            inertia[i, c] *= more
 
-        wx, wy, wz = angular[i, 0], angular[i, 1], angular[i, 2]
+        wx, wy, wz = angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2]
         vx = velocity[i, 0] + wy * pz - wz * py - cx
         vy = velocity[i, 1] + wz * px - wx * pz - cy
         vz = velocity[i, 2] + wx * py - wy * px - cz
@@ -65,7 +83,7 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
         for c in range(3):
             face = 4.0 * half[i, (c + 1) % 3] * half[i, (c + 2) % 3]
             area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
-        least = min(inertia[i, 0], min(inertia[i, 1], inertia[i, 2]))
+        least = min(body_inertia[i, 0], min(body_inertia[i, 1], body_inertia[i, 2]))
         felt = more / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # the mass at that point
         # Less than stops that point within this sub-step.
         rate = min(damping * water + drag * density * under * area_speed, STABLE * felt / h)
@@ -75,19 +93,18 @@ def float_up(awake, position, orientation, velocity, angular, half, mass, inerti
         force[i, 2] += fz
 
         spin = min(damping * water / mass[i], STABLE * more / h)
-        bx = spin * inertia[i, 0] * (m[0] * wx + m[3] * wy + m[6] * wz)
-        by = spin * inertia[i, 1] * (m[1] * wx + m[4] * wy + m[7] * wz)
-        bz = spin * inertia[i, 2] * (m[2] * wx + m[5] * wy + m[8] * wz)
+        bx = spin * body_inertia[i, 0] * (m[0] * wx + m[3] * wy + m[6] * wz)
+        by = spin * body_inertia[i, 1] * (m[1] * wx + m[4] * wy + m[7] * wz)
+        bz = spin * body_inertia[i, 2] * (m[2] * wx + m[5] * wy + m[8] * wz)
         torque[i, 0] += py * fz - pz * fy - (m[0] * bx + m[1] * by + m[2] * bz)
         torque[i, 1] += pz * fx - px * fz - (m[3] * bx + m[4] * by + m[5] * bz)
         torque[i, 2] += px * fy - py * fx - (m[6] * bx + m[7] * by + m[8] * bz)
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    p, b, s, forces = parameters, setting.model.bodies, setting.state, setting.forces
-    if not b.movable.any():
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    p = parameters
+    if not context.model.bodies.movable.any():
         return Stages(idle="nothing in the scene moves")
-    return Stages(force=(Stage("water", float_up, (
-        s.awake, s.position_w, s.orientation_w, s.velocity_w, s.angular_velocity_w, b.half, b.mass, b.inertia_b,
-        p.level, p.density, weight(setting.active), 0.5 * p.coefficient, p.damping, p.added_mass, *p.current, setting.h,
-        np.empty((ROWS, 3)), forces.force_w, forces.torque_w, forces.inverse_mass, forces.inertia_b)),))
+    sea = Sea(p.level, p.density, weight(context.active), 0.5 * p.coefficient, p.damping, p.added_mass, *p.current)
+    return Stages(force=(context.stage("water", float_up, sea=sea, scratch=np.empty((ROWS, 3))),))

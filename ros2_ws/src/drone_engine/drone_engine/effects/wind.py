@@ -5,13 +5,12 @@ u(z) = u_r ln(z / z_0) / ln(z_r / z_0), as in MIL-F-8785C, 3.7.3.2. Heights are 
 """
 
 import math
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drone_engine.effects import Setting, Stages
+from drone_engine.context import Context, Stages
 from drone_engine.kernel import kernel
-from drone_engine.program.stage import Stage
 from drone_engine.scene.fields import Strict
 
 LOWEST = 0.9144  # m, 3 ft: MIL-F-8785C knows no wind below; it is taken as there
@@ -46,49 +45,52 @@ class Parameters(Strict):
 
 @kernel
 def power(height, reference, exponent):
-    """The power law's factor."""
+    """The factor of the power law at a height in m: (height / reference)^exponent."""
     return (max(height, LOWEST) / reference) ** exponent
 
 
 @kernel
 def log(height, reference, roughness):
-    """The logarithmic law's factor."""
+    """The factor of the logarithmic law at a height in m: ln(height / roughness) / ln(reference / roughness)."""
     return math.log(max(height, LOWEST) / roughness) / math.log(reference / roughness)
 
 
 @kernel
-def blow(awake, x, y, z, air):
-    """Sets the air's velocity (n, 3) around each body. Wind comes before all else that stirs the air."""
+def blow(awake, x, y, z, air_velocity):
+    """Sets air_velocity (n, 3), m/s, around each awake body to (x, y, z). Runs before other effects that move the
+    air."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
-        air[i, 0], air[i, 1], air[i, 2] = x, y, z
+        air_velocity[i, 0], air_velocity[i, 1], air_velocity[i, 2] = x, y, z
 
 
 @kernel
-def blow_power(awake, position, ground, reference, exponent, x, y, z, air):
-    """The same with the power law over height."""
+def blow_power(awake, position, ground, reference, exponent, x, y, z, air_velocity):
+    """As `blow`, times the power law over the height above `ground`, m; position: (n, 3) m; reference: m."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         factor = power(position[i, 2] - ground, reference, exponent)
-        air[i, 0], air[i, 1], air[i, 2] = factor * x, factor * y, factor * z
+        air_velocity[i, 0], air_velocity[i, 1], air_velocity[i, 2] = factor * x, factor * y, factor * z
 
 
 @kernel
-def blow_log(awake, position, ground, reference, roughness, x, y, z, air):
-    """The same with the logarithmic law over height."""
+def blow_log(awake, position, ground, reference, roughness, x, y, z, air_velocity):
+    """As `blow`, times the logarithmic law over the height above `ground`, m; reference, roughness: m."""
     for k in range(1, 1 + awake[0]):
         i = awake[k]
         factor = log(position[i, 2] - ground, reference, roughness)
-        air[i, 0], air[i, 1], air[i, 2] = factor * x, factor * y, factor * z
+        air_velocity[i, 0], air_velocity[i, 1], air_velocity[i, 2] = factor * x, factor * y, factor * z
 
 
-def build(parameters: Parameters, setting: Setting) -> Stages:
-    p, state, air = parameters, setting.state, setting.forces.air_w
-    where = (state.awake, state.position_w, p.ground, p.reference)
+def build(parameters: Parameters, context: Context) -> Stages:
+    """The stages of this effect."""
+    p = parameters
+    x, y, z = p.mean
+    law: dict[str, Any] = {"ground": p.ground, "reference": p.reference}
     stage = {
-        "uniform": Stage("wind", blow, (state.awake, *p.mean, air)),
-        "power": Stage("wind", blow_power, (*where, p.exponent, *p.mean, air)),
-        "log": Stage("wind", blow_log, (*where, p.roughness, *p.mean, air)),
+        "uniform": context.stage("wind", blow, x=x, y=y, z=z),
+        "power": context.stage("wind", blow_power, x=x, y=y, z=z, exponent=p.exponent, **law),
+        "log": context.stage("wind", blow_log, x=x, y=y, z=z, roughness=p.roughness, **law),
     }[p.profile]
-    # Gusts move with the wind: where the scene has them, they need to know it once a step, too.
-    return Stages(step=(stage,) if "gusts" in setting.active else (), force=(stage,))
+    # Gusts move with the wind, so where the scene has gusts the wind is needed once a step, too.
+    return Stages(step=(stage,) if "gusts" in context.active else (), force=(stage,))

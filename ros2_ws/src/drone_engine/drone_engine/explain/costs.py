@@ -64,13 +64,13 @@ def _steps_of_a_batch(world: World) -> int:
 
 def _stages(world: World) -> dict[str, Stage]:
     """The stages by the names that they have in reports."""
-    inner = (*world.acting.stages, *world.steering.stages)
+    inner = (*world.force_program.stages, *world.substep_program.stages)
     return {f"motion: {stage.name}": stage for stage in inner} | {stage.name: stage for stage in world.program.stages}
 
 
 def _name(kernel: object) -> str:
     function = getattr(kernel, "py_func", None)
-    return f"{function.__module__.removeprefix('drone_sim.')}.{function.__name__}" if function else ""
+    return f"{function.__module__.removeprefix('drone_engine.')}.{function.__name__}" if function else ""
 
 
 def compiled(world: World) -> dict[str, list[str]]:

@@ -28,7 +28,7 @@ def features(world: World) -> list[Feature]:
 
 
 def _effects(world: World) -> Iterator[Feature]:
-    felt = any(stage.name in FEEL_THE_AIR for stage in world.acting.stages)
+    felt = any(stage.name in FEEL_THE_AIR for stage in world.force_program.stages)
     for name in effects.EFFECTS:
         if name not in world.effects:
             yield Feature("effects", name, False, "not named by the scene")

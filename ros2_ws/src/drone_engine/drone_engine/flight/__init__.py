@@ -1,24 +1,24 @@
 """How drones turn commands into forces."""
 
-from collections.abc import Mapping
 from itertools import chain
-from pathlib import Path
 
 import numpy as np
 
-from drone_engine.effects import Setting, Stages, weight
+from drone_engine.context import Context, Stages
+from drone_engine.effects import weight
 from drone_engine.flight import direct, pilot, quadrotor
-from drone_engine.scene.fields import Strict
+from drone_engine.scene.schema import Scene
 
 
-def build(setting: Setting, active: Mapping[str, Strict], path: Path) -> Stages:
-    """The pilot, and the flight models that the scene's drones have; active: its effects. Raises SceneError."""
-    drones, carried = setting.model.drones, weight(active)
+def build(context: Context, scene: Scene) -> Stages:
+    """The stages of the pilot and of the flight models that the scene's drones have. Raises SceneError."""
+    drones, carried = context.model.drones, weight(context.active)
     wanted = np.zeros((len(drones.body), 4))
-    models = [Stages(step=(pilot.build(setting, wanted),))]
+    models = [Stages(step=(pilot.build(context, wanted),))]
     if not drones.quadrotor.all():
-        models.append(direct.build(setting, np.flatnonzero(~drones.quadrotor), wanted, carried))
+        models.append(direct.build(context, np.flatnonzero(~drones.quadrotor), wanted, carried))
     if drones.quadrotor.any():
-        models.append(quadrotor.build(setting, np.flatnonzero(drones.quadrotor), wanted, active, carried, path))
-    step, force, substep = (tuple(chain(*stages)) for stages in zip(*(each[:3] for each in models), strict=True))
-    return Stages(step, force, substep)
+        models.append(quadrotor.build(context, np.flatnonzero(drones.quadrotor), wanted, carried, scene.path))
+    return Stages(step=tuple(chain(*(each.step for each in models))),
+                  substep=tuple(chain(*(each.substep for each in models))),
+                  force=tuple(chain(*(each.force for each in models))))

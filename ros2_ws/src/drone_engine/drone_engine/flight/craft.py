@@ -85,6 +85,9 @@ class Craft(NamedTuple):
     little_yaw: float  # N m
 
 
+ROTOR_DRAG = Craft._fields.index("rotor_drag")  # column of a row
+
+
 @inlined
 def craft(row):
     """A row of numbers with their names."""

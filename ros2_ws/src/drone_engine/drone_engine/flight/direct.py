@@ -9,11 +9,11 @@ import math
 import numpy as np
 
 from drone_engine.arrays import Floats, Integers
-from drone_engine.effects import THRUST, Setting, Stages
+from drone_engine.context import Context, Stages
+from drone_engine.effects import needs_thrust
 from drone_engine.flight.pilot import limited
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix, rotate
-from drone_engine.program.stage import Stage
 
 RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
 LEAN = 0.5  # of the tilt that a quadrotor would need for the same acceleration
@@ -21,13 +21,13 @@ ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
 
 
 @kernel
-def steer(drone, orientation, velocity, angular, body, mass, inertia, max_acceleration, wanted, landed, weight, dt,
-          push):
+def steer(drone, orientation, velocity, angular_velocity, drone_body, mass, body_inertia, max_acceleration, wanted,
+          landed, weight, dt, push):
     """Writes the force (N) and torque (N m) of k drones, (k, 2, 3) in the world, for the coming step. `weight` is the
     gravity to carry, m/s^2."""
     for k in range(drone.shape[0]):
         d = drone[k]
-        i = body[d]
+        i = drone_body[d]
         push[k] = 0.0
         if landed[d]:
             continue
@@ -47,30 +47,30 @@ def steer(drone, orientation, velocity, angular, body, mass, inertia, max_accele
         ex = (m[5] * uz - m[8] * uy) * scale
         ey = (m[8] * ux - m[2] * uz) * scale
         # body rates, and the error of the z axis (a cross product) in the body frame
-        bx = m[0] * angular[i, 0] + m[3] * angular[i, 1] + m[6] * angular[i, 2]
-        by = m[1] * angular[i, 0] + m[4] * angular[i, 1] + m[7] * angular[i, 2]
-        bz = m[2] * angular[i, 0] + m[5] * angular[i, 1] + m[8] * angular[i, 2]
+        bx = m[0] * angular_velocity[i, 0] + m[3] * angular_velocity[i, 1] + m[6] * angular_velocity[i, 2]
+        by = m[1] * angular_velocity[i, 0] + m[4] * angular_velocity[i, 1] + m[7] * angular_velocity[i, 2]
+        bz = m[2] * angular_velocity[i, 0] + m[5] * angular_velocity[i, 1] + m[8] * angular_velocity[i, 2]
         ez = (m[2] * uy - m[5] * ux) * scale
         px, py = m[0] * ex + m[3] * ey + m[6] * ez, m[1] * ex + m[4] * ey + m[7] * ez
-        tx = inertia[i, 0] * (frequency * frequency * px - 2.0 * frequency * bx)
-        ty = inertia[i, 1] * (frequency * frequency * py - 2.0 * frequency * by)
-        tz = inertia[i, 2] * frequency * (wanted[d, 3] - bz)
+        tx = body_inertia[i, 0] * (frequency * frequency * px - 2.0 * frequency * bx)
+        ty = body_inertia[i, 1] * (frequency * frequency * py - 2.0 * frequency * by)
+        tz = body_inertia[i, 2] * frequency * (wanted[d, 3] - bz)
         t = rotate(q[0], q[1], q[2], q[3], tx, ty, tz)
         for c in range(3):
             push[k, 1, c] = t[c]
 
 
 @kernel
-def add(drone, body, push, force, torque):
+def add(drone, drone_body, push, force, torque):
     """Adds what `steer` wrote to the forces on the bodies."""
     for k in range(drone.shape[0]):
         for c in range(3):
-            force[body[drone[k]], c] += push[k, 0, c]
-            torque[body[drone[k]], c] += push[k, 1, c]
+            force[drone_body[drone[k]], c] += push[k, 0, c]
+            torque[drone_body[drone[k]], c] += push[k, 1, c]
 
 
 @kernel
-def share(drone, place, push, rotor_drone, thrust):
+def share(place, push, rotor_drone, thrust):
     """Writes to thrust (r,) the lift of each drone over its rotors; place: (d,) where a drone is among those here."""
     for r in range(rotor_drone.shape[0]):
         k = place[rotor_drone[r]]
@@ -81,16 +81,12 @@ def share(drone, place, push, rotor_drone, thrust):
             thrust[r] = max(push[k, 0, 2], 0.0) / rotors
 
 
-def build(setting: Setting, drone: Integers, wanted: Floats, weight: float) -> Stages:
+def build(context: Context, drone: Integers, wanted: Floats, weight: float) -> Stages:
     """drone: (k,) those of this model; wanted: (d, 4) velocity in the world, yaw rate; weight: m/s^2 to carry."""
-    b, drones, s, forces = setting.model.bodies, setting.model.drones, setting.state, setting.forces
     push = np.zeros((len(drone), 2, 3))
-    step = [Stage("direct", steer, (
-        drone, s.orientation_w, s.velocity_w, s.angular_velocity_w, drones.body, b.mass, b.inertia_b,
-        drones.max_acceleration, wanted, s.landed, weight, setting.dt, push))]
-    if any(name in setting.active for name in THRUST):
-        place = np.full(len(drones.body), -1, np.int64)
+    step = [context.stage("direct", steer, drone=drone, wanted=wanted, weight=weight, push=push)]
+    if needs_thrust(context.active):
+        place = np.full(len(context.model.drones.body), -1, np.int64)
         place[drone] = np.arange(len(drone))
-        step.append(Stage("thrust", share, (drone, place, push, setting.model.rotors.drone, forces.thrust)))
-    return Stages(step=tuple(step),
-                  force=(Stage("flight", add, (drone, drones.body, push, forces.force_w, forces.torque_w)),))
+        step.append(context.stage("thrust", share, place=place, push=push))
+    return Stages(step=tuple(step), force=(context.stage("flight", add, drone=drone, push=push),))

@@ -5,15 +5,13 @@ lands, and its rotors stop until the next command.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.collision.manifold import Manifolds
-from drone_engine.effects import Setting
+from drone_engine.context import Context
 from drone_engine.kernel import inlined, kernel
-from drone_engine.program.stage import Arguments, Stage
+from drone_engine.program.stage import Stage
 
 SILENCE = 0.5  # s of simulated time after which a command is over
 STILL = 0.1  # m/s under which a drone counts as at rest
@@ -51,10 +49,11 @@ def wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, h
 
 
 @kernel
-def guide(position, orientation, velocity, body, max_speed, max_yaw_rate, command, silence, hold, landed, dt, wanted):
+def guide(position, orientation, velocity, drone_body, max_speed, max_yaw_rate, command, silence, hold, landed, dt,
+          wanted):
     """Writes the wanted velocity (m/s, world) and yaw rate (rad/s) of d drones, (d, 4); commands end the landing."""
-    for d in range(body.shape[0]):
-        i = body[d]
+    for d in range(drone_body.shape[0]):
+        i = drone_body[d]
         silent = silence[d] * dt >= SILENCE
         cx, cy, cz, turn = command[d, 0], command[d, 1], command[d, 2], command[d, 3]
         if not silent and (cx != 0.0 or cy != 0.0 or cz > 0.0 or turn != 0.0):
@@ -69,10 +68,11 @@ def guide(position, orientation, velocity, body, max_speed, max_yaw_rate, comman
 
 
 @kernel
-def land(velocity, body, command, silence, dt, end, pair, points, normal, total, landed):
+def land(velocity, drone_body, command, silence, dt, contacts, landed):
     """Marks drones as landed that rest on something and are not told to leave it."""
-    for d in range(body.shape[0]):
-        i = body[d]
+    end, pair, points, normal, total = contacts.end, contacts.pair, contacts.points, contacts.normal, contacts.total
+    for d in range(drone_body.shape[0]):
+        i = drone_body[d]
         silent = silence[d] * dt >= SILENCE
         staying = silent or (command[d, 0] == 0.0 and command[d, 1] == 0.0 and command[d, 2] <= 0.0
                              and command[d, 3] == 0.0)
@@ -87,20 +87,11 @@ def land(velocity, body, command, silence, dt, end, pair, points, normal, total,
                         landed[d] = 1
 
 
-def build(setting: Setting, wanted: Floats) -> Stage:
-    """Before all else of a step; wanted: (d, 4), to be written."""
-    drones, s = setting.model.drones, setting.state
-    return Stage("pilot", guide, (s.position_w, s.orientation_w, s.velocity_w, drones.body, drones.max_speed,
-                                  drones.max_yaw_rate, s.command_b, s.silence, s.hold_w, s.landed, setting.dt, wanted))
+def build(context: Context, wanted: Floats) -> Stage:
+    """The stage that turns commands into wanted velocities; wanted: (d, 4), written."""
+    return context.stage("pilot", guide, wanted=wanted)
 
 
-def build_landing(setting: Setting, manifolds: Callable[[], Manifolds]) -> Stage:
-    """After the contacts: who has come to rest."""
-    s, body = setting.state, setting.model.drones.body
-
-    def arguments() -> Arguments:
-        m = manifolds()
-        return (s.velocity_w, body, s.command_b, s.silence, setting.dt, m.end, m.pair, m.points, m.normal_w, m.total,
-                s.landed)
-
-    return Stage("landing", land, arguments)
+def build_landing(context: Context) -> Stage:
+    """The stage, after the motion, that detects which drones have landed."""
+    return context.stage("landing", land)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drone_engine.effects import Setting
+from drone_engine.context import Context
 from drone_engine.flight.quadrotor import SPEED, rotors_of
 from drone_engine.kernel import inlined, kernel
 from drone_engine.program.stage import Stage
@@ -22,35 +22,37 @@ def turned_on(angle, rate, dt):
 
 
 @kernel
-def spin(which, drone, landed, flight_rate, keep, dt, rate, angle):
-    """Turns some of r rotors on by dt s; rate: (r,) rad/s, angle: (r,) rad. keep: left of a difference after dt."""
+def spin(which, rotor_drone, landed, flight_rate, keep, dt, rotor_rate, rotor_angle):
+    """Turns some of r rotors on by dt s; rotor_rate: (r,) rad/s and rotor_angle: (r,) rad,
+    in and out. keep: what is left of a difference in rate after dt."""
     for r in which:
-        wanted = 0.0 if landed[drone[r]] else flight_rate[r]
-        rate[r] = wanted + (rate[r] - wanted) * keep
-        if wanted == 0.0 and abs(rate[r]) < STOPPED * abs(flight_rate[r]):
-            rate[r] = 0.0
-        angle[r] = turned_on(angle[r], rate[r], dt)
+        wanted = 0.0 if landed[rotor_drone[r]] else flight_rate[r]
+        rotor_rate[r] = wanted + (rotor_rate[r] - wanted) * keep
+        if wanted == 0.0 and abs(rotor_rate[r]) < STOPPED * abs(flight_rate[r]):
+            rotor_rate[r] = 0.0
+        rotor_angle[r] = turned_on(rotor_angle[r], rotor_rate[r], dt)
 
 
 @kernel
-def show(rotor, flight_rate, speed, dt, rate, angle):
+def show(rotor, flight_rate, speed, dt, rotor_rate, rotor_angle):
     """Turns the rotors of k quadrotors, rotor (k, 4), on by dt s at their speed (k, 4); its sign is as in flight."""
     for k in range(rotor.shape[0]):
         for i in range(4):
             r = rotor[k, i]
             if r >= 0:
-                rate[r] = math.copysign(speed[k, i], flight_rate[r])
-                angle[r] = turned_on(angle[r], rate[r], dt)
+                rotor_rate[r] = math.copysign(speed[k, i], flight_rate[r])
+                rotor_angle[r] = turned_on(rotor_angle[r], rotor_rate[r], dt)
 
 
-def build(setting: Setting) -> tuple[Stage, ...]:
-    m, s, dt = setting.model, setting.state, setting.dt
+def build(context: Context) -> tuple[Stage, ...]:
+    """The stages that turn the scene's rotors: quadrotors' at their simulated rates, others' at their rate in
+    flight."""
+    m = context.model
     rotor = np.array([rotors_of(m, int(d)) for d in np.flatnonzero(m.drones.quadrotor)], np.int64).reshape(-1, 4)
     others = np.setdiff1d(np.arange(len(m.rotors.names)), rotor)
     stages = []
     if (rotor >= 0).any():
-        stages.append(Stage("rotors", show, (rotor, m.rotors.rate, s.memory[SPEED], dt, s.rotor_rate, s.rotor_angle)))
+        stages.append(context.stage("rotors", show, rotor=rotor, speed=context.state.memory[SPEED]))
     if len(others):
-        stages.append(Stage("rotors", spin, (others, m.rotors.drone, s.landed, m.rotors.rate,
-                                             math.exp(-dt / SPIN_TIME), dt, s.rotor_rate, s.rotor_angle)))
+        stages.append(context.stage("rotors", spin, which=others, keep=math.exp(-context.dt / SPIN_TIME)))
     return tuple(stages)

@@ -1,6 +1,6 @@
-"""How long stages take, measured while they run: a clock is read between them, in the compiled loop itself.
+"""Time per stage, measured in the compiled loop itself: timing stages read the clock between the others.
 
-A reading takes about 25 ns. Worlds that nobody measures have no such stages.
+A reading takes about 25 ns. A world that is not timed has no timing stages.
 """
 
 import time
@@ -22,7 +22,7 @@ MONOTONIC = time.CLOCK_MONOTONIC
 
 @intrinsic
 def nanoseconds(typing):
-    """The steady clock, ns: clock_gettime of the C library."""
+    """The monotonic clock, ns: clock_gettime of the C library."""
     def read(context, builder, signature, arguments):
         whole, number = ir.IntType(64), ir.IntType(32)
         clock = cgutils.get_or_insert_function(
@@ -38,14 +38,14 @@ def nanoseconds(typing):
 
 @kernel
 def begin(last, passes):
-    """Reads the clock before the first stage; last: (1,), passes: (1,)."""
+    """Reads the clock before the first stage and counts the pass. last: (1,) ns, passes: (1,), both written."""
     passes[0] += 1
     last[0] = nanoseconds()
 
 
 @kernel
 def lap(last, total, stage):
-    """Adds the ns since the last reading to what a stage has taken; last: (1,), total: (n,)."""
+    """Adds the ns since the last reading to the total of a stage. last: (1,) ns, total: (n,) ns, both in and out."""
     now = nanoseconds()
     total[stage] += now - last[0]
     last[0] = now
@@ -53,14 +53,14 @@ def lap(last, total, stage):
 
 @kernel
 def read_only(last, total, readings):
-    """Nothing but readings."""
+    """Reads the clock `readings` times, to measure what a reading takes."""
     for _ in range(readings):
         lap(last, total, 0)
 
 
 @cache
 def reading() -> float:
-    """What one reading takes, ns; the least of a few tries, as all else is somebody else's work."""
+    """Duration of one clock reading, ns: the minimum of several tries, since anything above is interference."""
     last, total = np.zeros((2, 1), np.int64)
     read_only(last, total, 10)
     tries = []
@@ -80,12 +80,12 @@ class Laps:
         self._passes: Integers = np.zeros(1, np.int64)
         self._total: Integers = np.zeros(len(stages), np.int64)
         last: Integers = np.zeros(1, np.int64)
-        self.stages = [Stage("", begin, (last, self._passes))]
+        self.stages = [Stage("", begin, given={"last": last, "passes": self._passes}, timer=True)]
         for i, stage in enumerate(stages):
-            self.stages += [stage, Stage("", lap, (last, self._total, i))]
+            self.stages += [stage, Stage("", lap, given={"last": last, "total": self._total, "stage": i}, timer=True)]
 
     def take(self) -> tuple[int, dict[str, float]]:
-        """How often all stages have run since this was last asked, and the us that each name has taken in all."""
+        """How often all stages have run since the last call, and the us that each name has taken in total."""
         passes, total = int(self._passes[0]), dict.fromkeys(self.names, 0.0)
         for name, spent in zip(self.names, self._total, strict=True):
             total[name] += 1e-3 * (float(spent) - passes * reading())
@@ -93,13 +93,13 @@ class Laps:
         return passes, total
 
     def readings(self, passes: int) -> float:
-        """The us that readings have taken in so many passes."""
+        """The us that the clock readings of so many passes have taken."""
         return 1e-3 * passes * (len(self.names) + 1) * reading()
 
 
 def times(step: Laps, within: str, nested: Sequence[Laps]) -> dict[str, float]:
-    """us per step of each stage since last asked; the stage `within` is told without those nested in it, '<within>: '
-    before their names."""
+    """us per step of each stage since the last call. The time of the stage `within` excludes the stages nested in it,
+    which follow it under '<within>: <name>'."""
     steps, outer = step.take()
     inner: dict[str, float] = {}
     for laps in nested:

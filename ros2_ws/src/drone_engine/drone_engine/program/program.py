@@ -1,17 +1,14 @@
 """Stages become one compiled loop: a step, or a thousand, without returning to Python.
 
-Each stage is a kernel and its arguments. For every kernel there is a small C function that takes the arguments from a
-row of addresses and calls it; the loop knows nothing but these functions and rows, so that another scene, with other
-stages, compiles nothing but what it has and others had not. A stage may be left to Python, too: the loop then
-returns, and goes on after it. So it does when a kernel returns a code other than 0, a buffer that is too small, say.
+For every stage there is a C function and a row with the addresses of its arguments; the loop knows nothing else, so
+that a scene with other stages compiles only the kernels that other scenes did not have. The loop returns to Python for
+a stage that has no kernel, and when a kernel returns a code other than 0, because a buffer is too small, for instance.
+
+With NUMBA_DISABLE_JIT=1 the same stages are called one by one from Python, for debugging.
 """
 
-import hashlib
-import os
-import sys
 from collections.abc import Callable, Sequence
-from importlib.util import module_from_spec, spec_from_file_location
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -20,29 +17,18 @@ from numba import types
 from numba.extending import intrinsic
 
 from drone_engine.arrays import Integers
-from drone_engine.cache import generated_folder
 from drone_engine.kernel import kernel
+from drone_engine.program import binding
 from drone_engine.program.stage import Stage
 
-PYTHON = -1  # the code with which a stage is left to Python
+IN_PYTHON = -1  # the code of a stage without a kernel
 
 
-@intrinsic
-def address(typing, number):
-    """The pointer that a whole number is."""
-    def cast(context, builder, signature, arguments):
-        return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
+class Compiled(NamedTuple):
+    """Compiled stages, in order, as kernels take them."""
 
-    return types.voidptr(types.int64), cast
-
-
-@intrinsic
-def real(typing, number):
-    """The float64 with the bits of a whole number."""
-    def cast(context, builder, signature, arguments):
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), cast
+    function: Integers  # (n,) addresses of C functions; 0: runs in Python
+    row: Integers  # (n,) addresses of the rows of arguments
 
 
 @intrinsic
@@ -57,15 +43,15 @@ def call(typing, function, row):
 
 
 @kernel
-def run(function, row, first, steps):
-    """Runs the stages from number `first` on, then whole steps; function, row: (n,) addresses, 0 for Python's.
+def run_steps(function, row, first, steps):
+    """Runs the stages from number `first` on, then whole steps. function, row: as in Compiled.
 
-    Returns how many steps are complete, and the stage that stopped it with which code, 0 if none did.
+    Returns how many steps are complete, the stage that stopped the loop, and its code: 0 if none did.
     """
     done, at = 0, first
     while done < steps:
         while at < function.shape[0]:
-            code = call(function[at], row[at]) if function[at] else PYTHON
+            code = call(function[at], row[at]) if function[at] else IN_PYTHON
             if code != 0:
                 return done, at, code
             at += 1
@@ -74,119 +60,89 @@ def run(function, row, first, steps):
 
 
 @kernel
-def run_once(function, row):
-    """Runs compiled stages, in order, from within another kernel."""
-    for i in range(function.shape[0]):
-        call(function[i], row[i])
+def _run_once(program):
+    """Runs all stages of a Compiled program, in order, from within another kernel."""
+    for i in range(program.function.shape[0]):
+        call(program.function[i], program.row[i])
 
 
-TEMPLATE = '''"""{name}: the arguments of {kernel} from a row of addresses."""
-import numba
-import numpy as np
-from {module} import {kernel} as kernel
-from drone_engine.kernel import c_function
-from drone_engine.program.program import address, real
+def _run_once_in_python(program: "Program") -> None:
+    """Runs all stages of a program, in order, where kernels are not compiled."""
+    program.run(1)
 
 
-@c_function("int64(int64)")
-def enter(row):
-    a = numba.carray(address(row), ({size},), np.int64)
-    {result}kernel({arguments})
-    return {code}
-'''
-_entered: dict[str, Any] = {}  # C functions by the text of their modules
+run_once: Any = _run_once_in_python if numba.config.DISABLE_JIT else _run_once
 
 
 class Program:
     """Stages in the order in which they run."""
 
     def __init__(self, stages: Sequence[Stage]) -> None:
+        """Binds every stage. Raises BindingError for a parameter that has no argument."""
         self.stages = tuple(stages)
+        self._place = {stage: i for i, stage in enumerate(self.stages)}
         self._rows: list[Integers] = [np.empty(0, np.int64)] * len(stages)
-        self._kept: list[tuple[Any, ...]] = [()] * len(stages)  # what the addresses point to
-        self.function: Integers = np.zeros(len(stages), np.int64)
-        self.row: Integers = np.zeros(len(stages), np.int64)
+        self._arguments: list[tuple[Any, ...]] = [()] * len(stages)  # what the addresses point to
+        self._function: Integers = np.zeros(len(stages), np.int64)
+        self._row: Integers = np.zeros(len(stages), np.int64)
         self.bind()
 
-    def bind(self, *names: str) -> None:
-        """Takes the arguments of the stages (all, or those named) anew: do so once any of their arrays is another."""
-        for i, stage in enumerate(self.stages):
-            if stage.kernel is not None and (not names or stage.name in names):
-                arguments = stage.arguments() if callable(stage.arguments) else stage.arguments
-                self._kept[i] = arguments
-                self._rows[i] = np.array([word for a in arguments for word in _words(a)] or [0], np.int64)
-                self.row[i] = self._rows[i].ctypes.data
+    @property
+    def argument(self) -> "Compiled | Program":
+        """What a kernel that runs this program takes, for run_once."""
+        return self if numba.config.DISABLE_JIT else Compiled(self._function, self._row)
+
+    def bind(self, *stages: Stage) -> None:
+        """Binds stages (all, if none is named) again: needed once an array of theirs has been replaced."""
+        for stage in stages or self.stages:
+            if stage.kernel is not None:
+                i = self._place[stage]
+                self._arguments[i] = binding.arguments(stage)
+                if not numba.config.DISABLE_JIT:
+                    self._rows[i] = binding.row(self._arguments[i])
+                    self._row[i] = self._rows[i].ctypes.data
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
-        """Compiles the stages or takes them from disk, telling which comes next. Once is enough."""
+        """Compiles the stages or takes them from disk; reports how many of how many are done, and the next one."""
+        if numba.config.DISABLE_JIT:
+            return
         for i, stage in enumerate(self.stages):
             report(i, len(self.stages), stage.name)
             if stage.kernel is not None:
-                self.function[i] = _enter(stage.kernel, self._kept[i]).address
-        run(self.function[:0], self.row[:0], 0, 0)
+                self._function[i] = binding.c_entry(stage, self._arguments[i])
+        run_steps(self._function[:0], self._row[:0], 0, 0)
 
-    def run(self, steps: int, first: int = 0, last: int | None = None) -> None:
-        """Runs this many times from stage `first` to before `last`, attending to what stops it."""
-        function, row = self.function, self.row
-        if last is not None:
-            function, row = function[:last], row[:last]
+    def run(self, steps: int) -> None:
+        """Runs all stages this many times."""
+        self._run(steps, len(self.stages))
+
+    def run_through(self, first: Stage, last: Stage) -> None:
+        """Runs the stages from `first` to `last`, both included, once."""
+        self._run(1, self._place[last] + 1, self._place[first])
+
+    def _run(self, steps: int, end: int, first: int = 0) -> None:
+        """Runs stages [first, end), then [0, end) until all steps are done; handles what stops the loop."""
+        run = self._run_in_python if numba.config.DISABLE_JIT else run_steps
+        function, row = self._function[:end], self._row[:end]
         while steps:
             done, at, code = run(function, row, first, steps)
             steps -= done
+            first = 0
             if code:
-                name = self.stages[at].attend(code)
-                first = at + 1 if name is None else next(i for i, stage in enumerate(self.stages) if stage.name == name)
-                if first == len(function):
+                stage = self.stages[at].handle(code)
+                first = at + 1 if stage is None else self._place[stage]
+                if first == end:
                     steps, first = steps - 1, 0
-            else:
-                first = 0
 
-
-def _words(argument: Any) -> list[int]:
-    """What stands for an argument in a row: an array's address and shape, or a number's bits."""
-    if isinstance(argument, np.ndarray):
-        if not argument.flags.c_contiguous:
-            raise TypeError(f"stages take contiguous arrays, got one of shape {argument.shape}")
-        return [argument.ctypes.data, *argument.shape]
-    if isinstance(argument, float):
-        return [int(np.float64(argument).view(np.int64))]
-    return [int(argument)]
-
-
-def _enter(compiled: Any, arguments: tuple[Any, ...]) -> Any:
-    """The C function that calls a kernel with arguments of these types."""
-    parts, at = [], 0
-    for argument in arguments:
-        if isinstance(argument, np.ndarray):
-            shape = "".join(f"a[{at + 1 + k}], " for k in range(argument.ndim))
-            kind = "bool_" if argument.dtype == np.bool_ else argument.dtype.name
-            parts.append(f"numba.carray(address(a[{at}]), ({shape}), np.{kind})")
-            at += 1 + argument.ndim
-        else:
-            parts.append(f"real(a[{at}])" if isinstance(argument, float) else f"a[{at}]")
-            at += 1
-    signature = tuple(numba.typeof(argument) for argument in arguments)
-    compiled.compile(signature)
-    silent = compiled.overloads[signature].signature.return_type == types.none
-    name, module = compiled.py_func.__name__, compiled.py_func.__module__
-    text = TEMPLATE.format(name=name, kernel=name, module=module, size=max(at, 1), arguments=", ".join(parts),
-                           result="" if silent else "code = ", code="0" if silent else "code")
-    if text not in _entered:
-        _entered[text] = _load(text, name)
-    return _entered[text]
-
-
-def _load(text: str, name: str) -> Any:
-    """The function `enter` of a module with this text, kept among the caches so that it compiles once."""
-    path = generated_folder() / f"{name}_{hashlib.sha256(text.encode()).hexdigest()[:12]}.py"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_suffix(f".{os.getpid()}")
-        draft.write_text(text)
-        draft.replace(path)  # at once, should two programs start together
-    spec = spec_from_file_location(f"drone_engine_{path.stem}", path)
-    assert spec and spec.loader
-    module = module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module.enter
+    def _run_in_python(self, function: Integers, row: Integers, first: int, steps: int) -> tuple[int, int, int]:
+        """As run_steps, without compiled code."""
+        done, at = 0, first
+        while done < steps:
+            while at < len(function):
+                stage = self.stages[at]
+                code = IN_PYTHON if stage.kernel is None else stage.kernel(*self._arguments[at]) or 0
+                if code:
+                    return done, at, int(code)
+                at += 1
+            done, at = done + 1, 0
+        return done, 0, 0

@@ -1,28 +1,39 @@
-"""What a step is made of: stages, put together once from what the scene calls for."""
+"""A stage of a step: a compiled kernel whose parameters are bound by name, or a call into Python."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
-Arguments = tuple[Any, ...]  # contiguous arrays, floats and whole numbers
+from drone_engine.program.scope import Scope
 
 
-class Stage(NamedTuple):
-    """A kernel and its arguments, and what stages are called in reports.
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One stage. Stages are compared by identity, since a stage may name another one to continue with.
 
-    Arguments may also be a function that gives them, asked again when the stage is bound anew. A kernel that returns a
-    code other than 0 stops the loop: `attend` is called with it, and names the stage to go on from, None for the next.
-    Without a kernel the stage is Python's, and `attend` all that there is to do.
+    Each parameter of the kernel is bound by its name: to an entry of `given`, the arguments of this stage alone, or to
+    the array that `scope` knows by that name. `program.binding` does that once, when the program is built.
+
+    A kernel that returns a code other than 0 stops the compiled loop. `handle` is called with the code; it returns the
+    stage to continue with, or None for the next one.
+
+    A stage without a kernel runs in Python: `handle` is called with -1. It then lists the arrays that it changes in
+    `writes`; for kernels, what they read and write is derived from their text (`program.access`).
     """
 
-    name: str
-    kernel: Any
-    arguments: Arguments | Callable[[], Arguments] = ()
-    attend: Callable[[int], str | None] = lambda code: None
+    name: str  # in reports; not necessarily unique
+    kernel: Any = None
+    scope: Scope = field(default_factory=Scope)
+    given: Mapping[str, Any] = field(default_factory=dict)
+    handle: "Callable[[int], Stage | None]" = lambda code: None
+    writes: tuple[str, ...] = ()
+    timer: bool = False  # reads the clock between stages; not shown in reports
 
 
-def in_python(name: str, run: Callable[[], None]) -> Stage:
-    """A stage that is not compiled."""
-    def attend(code: int) -> None:
+def in_python(name: str, run: Callable[[], None], writes: tuple[str, ...] = ()) -> Stage:
+    """A stage that calls a Python function once a step."""
+
+    def handle(code: int) -> None:
         run()
 
-    return Stage(name, None, (), attend)
+    return Stage(name, handle=handle, writes=writes)

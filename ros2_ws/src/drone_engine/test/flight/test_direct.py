@@ -5,9 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drone_engine import effects
+from drone_engine.context import Context
 from drone_engine.flight import direct
 from drone_engine.program.program import Program
+from drone_engine.scene.fields import Strict
 from drone_engine.world import World
 
 FLOOR = "floor: {model: floor, static: true, collision: {level: floor}}\n"
@@ -131,8 +132,8 @@ def test_where_nothing_can_touch_nothing_is_looked_for(world: Make) -> None:
 @pytest.mark.parametrize("asking", ["ground_effect", "downwash"])
 def test_each_rotor_has_its_share_of_the_lift_where_an_effect_asks_for_it(world: Make, asking: str) -> None:
     two = world(DRONE + DRONE.splitlines()[1].replace("rotor:", "other:", 1))
-    setting = effects.Setting(two.model, two.state, two.forces, two.dt, 0, (asking,), 8)
-    stages = direct.build(setting, np.array([0]), np.zeros((1, 4)), 9.80665).step
+    context = Context(two.model, two.state, two.forces, two.dt, 8, 0, {asking: Strict()})
+    stages = direct.build(context, np.array([0]), np.zeros((1, 4)), 9.80665).step
     program = Program(stages)
     program.compile()
     program.run(1)

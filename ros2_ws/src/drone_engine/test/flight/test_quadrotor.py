@@ -280,9 +280,10 @@ def test_without_motor_lag_it_is_as_if_that_did_not_exist(world: Make, scene: Ca
         return [flight.step({"drone": (1.0, 0.5, 0.2, 0.3)}) or flight.state.hash() for _ in range(60)]
 
     plain = world(DRONE)
-    stages = [stage.name for program in (plain.program, plain.acting, plain.steering) for stage in program.stages]
+    programs = (plain.program, plain.force_program, plain.substep_program)
+    stages = [stage.name for program in programs for stage in program.stages]
     assert "motor_lag" not in stages
-    assert "motor_lag" in [stage.name for stage in world(DRONE, LAG).steering.stages]
+    assert "motor_lag" in [stage.name for stage in world(DRONE, LAG).substep_program.stages]
     before = hashes(plain)
     monkeypatch.delitem(effects.EFFECTS, "motor_lag")
     monkeypatch.setitem(sys.modules, "drone_engine.effects.motor_lag", None)
@@ -301,7 +302,7 @@ def test_the_rotors_drag_is_what_their_rates_and_speed_make_it(world: Make) -> N
     flown = fly(through_air, 5.0, (4.0, 0.0, 0.0, 0.0))[-1, 0]
     push = through_air.state.memory["expected_velocity_and_push"][0, 3]
     assert push == pytest.approx(-8.06428e-5 * turned(through_air).sum() * flown / 1.4, rel=0.05)
-    assert "rotor drag" not in [stage.name for stage in world(DRONE, LAG).acting.stages]
+    assert "rotor drag" not in [stage.name for stage in world(DRONE, LAG).force_program.stages]
 
 
 def test_both_models_fly_in_one_scene_and_only_the_quadrotors_rotors_are_its_own(world: Make) -> None:

@@ -5,7 +5,7 @@ in a table of buckets addressed by a hash, so the world has no bounds. Where siz
 several grids, one a level, with cells that suit their boxes. What does not move is put into its table once.
 """
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,22 @@ DONE, NEW_LEVELS, MORE_ENTRIES, MORE_PAIRS = range(4)
 NONE: Integers = np.empty(0, np.int64)
 
 Narrow = NDArray[np.int32]
+
+
+class GridTables(NamedTuple):
+    """The arrays of the broad phase, as `find_pairs` takes them; n bodies."""
+
+    levels: Floats  # (k, 2) largest half side in m, cells per m
+    static_top: Integers  # (1,) highest level of the bodies at rest
+    static_start: Narrow  # hash table of the bodies at rest: where each bucket begins in static_entry
+    static_entry: Integers
+    start: Narrow  # the same of moving bodies
+    bucket: Narrow  # scratch
+    listed: Integers  # scratch
+    entry: Integers
+    marks: Narrow  # (2, n) scratch
+    pair: Integers  # (2, k) scratch
+    ordered: Integers  # (2, k) the pairs found, a < b, sorted
 
 
 @kernel
@@ -57,12 +73,15 @@ def stand(low, high, bodies, count, levels, home):
 
 
 @kernel
-def find_pairs(low, high, bodies, moving, planes, levels, static_top, static_start, static_entry, start, bucket, listed,
-               entry, marks, pair, ordered):
+def find_pairs(low, high, bodies, moving, planes, tables):
     """Writes the pairs of boxes that overlap, the first `moving` of `bodies` with each other, with those of the table
     static_* and with `planes`, bodies that are large: all are asked. Returns (DONE, how many, tests made), or what the
     caller has to renew first and how large it must be. levels: (k, 2) largest half side, cells per metre; static_top:
     (1,) its highest level; marks: (2, n), scratch."""
+    levels, static_top, static_start, static_entry = (tables.levels, tables.static_top, tables.static_start,
+                                                      tables.static_entry)
+    start, bucket, listed, entry = tables.start, tables.bucket, tables.listed, tables.entry
+    marks, pair, ordered = tables.marks, tables.pair, tables.ordered
     home, count = marks[0], marks[1]
     if not stand(low, high, bodies, moving, levels, home):
         return NEW_LEVELS, 0, 0
@@ -143,7 +162,7 @@ class Grid:
         movers, still = (np.flatnonzero(solid & which) for which in (movable, ~movable))
         self.settle(low, high, still)
         while True:
-            answer, count, tests = find_pairs(low, high, movers, len(movers), NONE, *self.tables())
+            answer, count, tests = find_pairs(low, high, movers, len(movers), NONE, self.tables())
             if answer == DONE:
                 break
             self.renew(answer, count, low, high, movers)
@@ -157,10 +176,10 @@ class Grid:
             self._marks = np.empty((2, bodies), np.int32)
             self._start, self._bucket, self._listed, self._entry = _table(bodies, 8 * bodies)
 
-    def tables(self) -> tuple[Any, ...]:
+    def tables(self) -> GridTables:
         """The last arguments of `find_pairs`."""
-        return (self._levels, self._static_top, self._static_start, self._static_entry, self._start, self._bucket,
-                self._listed, self._entry, self._marks, self._pairs, self.ordered)
+        return GridTables(self._levels, self._static_top, self._static_start, self._static_entry, self._start,
+                          self._bucket, self._listed, self._entry, self._marks, self._pairs, self.ordered)
 
     def renew(self, answer: int, count: int, low: Floats, high: Floats, movers: Integers) -> None:
         """Does what `find_pairs` asked for, so that it can be asked again. Raises ValueError for bounds of no box."""

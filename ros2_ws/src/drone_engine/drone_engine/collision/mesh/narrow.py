@@ -144,8 +144,8 @@ class Meshes:
 
     def find(self, manifolds: Manifolds, placed: PlacedBodies, pair_a: Integers, pair_b: Integers, floor_height: Floats,
              level: Integers, everything: Integers, margin: Floats) -> Manifolds:
-        """Appends the contacts of the pairs; returns the manifolds, or a larger copy of them."""
-        m = manifolds.with_room(MOST * len(pair_a))
+        """Appends the contacts of the pairs; returns the manifolds, which grow where need be."""
+        m = manifolds.reserve(MOST * len(pair_a))
         poses = np.concatenate([placed.position, placed.orientation], axis=1)
         while True:
             found, near, contacts = find_contacts(

@@ -1,13 +1,14 @@
 """The stage that finds what stands on uneven ground: its contacts become few manifolds, in the compiled loop."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drone_engine.arrays import Floats, Integers
+from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import plane as floor
-from drone_engine.collision.manifold import GROUND, MESHES, OTHERS, POINTS, SAME_SIDE, SWEPT, anchor
+from drone_engine.collision.manifold import GROUND, MESHES, OTHERS, POINTS, SAME_SIDE, SWEPT, write_anchors
 from drone_engine.collision.mesh.reduction import pick
 from drone_engine.collision.terrain.contacts import meet_box, meet_corner, meet_mesh
 from drone_engine.collision.terrain.height_field import Terrain, lies_under
@@ -84,20 +85,26 @@ def _copy(count, point, separation, feature, spread, out_point, out_separation, 
 
 
 @kernel
-def stand(counts, end, position, axes, half, low, high, ordered, level, everything, margins, ground, frame, start,
-          entry, flat, top, face, ridge_start, ridge_entry, ridge, ridge_cell, link, corners, owned, roots, raw_normal,
-          raw_point, raw_separation, raw_feature, free, spread, pair, points, normal, point, anchors, separation,
-          feature, met):
-    """Appends the manifolds of body `ground` and what stands on it. counts: (4,) first the pairs; low, high: (n, 3)
-    bounds of what moves. Where all below a body is one horizontal plane, it is met as a floor is."""
+def stand(counts, position, body_bounds, grid_tables, pairs, ground, contacts):
+    """Appends the manifolds of the terrain and the bodies on it. Where the terrain below a body is one horizontal
+    plane, contacts are those of a plane. ground: GroundArrays. Returns 0, MORE_CONTACTS or MORE_MANIFOLDS."""
+    axes, half, low, high = body_bounds.axes, body_bounds.half, body_bounds.low, body_bounds.high
+    ordered, level, margins = grid_tables.ordered, pairs.level, pairs.margin
+    land = ground.terrain
+    frame, start, entry, face = land.frame, land.start, land.entry, land.face
+    flat, top, ridge_start, ridge_entry = land.flat, land.top, land.ridge_start, land.ridge_entry
+    raw_normal, raw_point, raw_separation = ground.raw_normal, ground.raw_point, ground.raw_separation
+    raw_feature = ground.raw_feature
+    pair, points, normal, point, met = contacts.pair, contacts.points, contacts.normal, contacts.point, contacts.level
+    separation, feature, end = contacts.separation, contacts.feature, contacts.end
     found = end[OTHERS]
-    for k in range(counts[0]):
+    for k in range(counts.pairs[0]):
         a, b = ordered[0, k], ordered[1, k]
-        if (a != ground and b != ground) or level[k] < SPHERE:
+        if (a != ground.body and b != ground.body) or level[k] < SPHERE:
             continue
         if found + MOST > points.shape[0]:
             return MORE_MANIFOLDS
-        body, up = (b, 1.0) if a == ground else (a, -1.0)
+        body, up = (b, 1.0) if a == ground.body else (a, -1.0)
         height, most = lies_under(frame, flat, top, low[body, 0], low[body, 1], high[body, 0], high[body, 1])
         if low[body, 2] > most:
             continue
@@ -116,23 +123,24 @@ def stand(counts, end, position, axes, half, low, high, ordered, level, everythi
                 count = meet_corner(frame, start, entry, face, position[body, 0], position[body, 1], position[body, 2],
                                     ball, 0, margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
             elif level[k] == OBB:
-                count = meet_box(frame, start, entry, face, ridge_start, ridge_entry, ridge, ridge_cell, position, axes,
-                                 half, body, low, high, margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
+                count = meet_box(frame, start, entry, face, ridge_start, ridge_entry, land.ridge, land.ridge_cell,
+                                 position, axes, half, body, low, high, margin, raw_normal, raw_point, raw_separation,
+                                 raw_feature, 0)
             else:
-                root = link[roots[body]]
-                count = meet_mesh(frame, start, entry, face, position, axes, body, corners, owned, root[2], root[3],
-                                  margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
+                root = ground.link[ground.roots[body]]
+                count = meet_mesh(frame, start, entry, face, position, axes, body, ground.corners, ground.owned,
+                                  root[2], root[3], margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
             if count > raw_separation.shape[0]:
                 return MORE_CONTACTS
-            found = group(count, raw_normal, raw_point, raw_separation, raw_feature, MOST, free, spread, points,
-                          normal, point, separation, feature, found)
-        if not everything[k] and found > first:
+            found = group(count, raw_normal, raw_point, raw_separation, raw_feature, MOST, ground.free, ground.spread,
+                          points, normal, point, separation, feature, found)
+        if not pairs.all_contacts[k] and found > first:
             found = _keep_deepest(first, found, points, normal, point, separation, feature)
         for i in range(first, found):
             pair[i, 0], pair[i, 1], met[i] = a, b, level[k]
             for c in range(3):
                 normal[i, c] *= up
-    anchor(end[OTHERS], found, pair, points, point, position, anchors)
+    write_anchors(end[OTHERS], found, pair, points, point, position, contacts.anchor)
     end[GROUND] = end[MESHES] = end[SWEPT] = found
     return 0
 
@@ -152,6 +160,23 @@ def _keep_deepest(first, found, points, normal, point, separation, feature):
     return first + 1
 
 
+class GroundArrays(NamedTuple):
+    """The terrain of a scene, and the room that its contacts need."""
+
+    body: int
+    terrain: Terrain
+    link: NDArray[np.int32]  # of the octrees of meshes, whose corners may touch the terrain
+    corners: Floats
+    owned: Integers
+    roots: Integers  # (n,) of each body's octree
+    raw_normal: Floats  # (k, 3) contacts before they are grouped into manifolds
+    raw_point: Floats  # (k, 2, 3)
+    raw_separation: Floats  # (k,)
+    raw_feature: Integers  # (k,)
+    free: Booleans  # (k,) scratch
+    spread: Floats  # (k,) scratch
+
+
 class Footing:
     """The ground of a scene, with the room that its contacts need."""
 
@@ -167,6 +192,6 @@ class Footing:
         """Makes twice as much room."""
         self._make_room(2 * len(self._raw[0]))
 
-    def tables(self, meshes: tuple[Any, Floats, Integers, Integers]) -> tuple[Any, ...]:
-        """The arguments of `stand` from `ground` to `spread`; meshes: its link, corners, owned and roots."""
-        return (self.body, *self.terrain, *meshes, *self._raw)
+    def arrays(self, meshes: tuple[Any, Floats, Integers, Integers]) -> GroundArrays:
+        """As `stand` takes them; meshes: link, corners, owned and roots."""
+        return GroundArrays(self.body, self.terrain, *meshes, *self._raw)
