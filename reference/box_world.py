@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.math.rotation import inverse, rotate_all
+from drone_engine.math.poses import inverse, rotate_all
 from drone_engine.scene.schema import Dynamics, Scene, parse
 from drone_engine.world import World
 

@@ -6,7 +6,7 @@ from drone_engine.arrays import Booleans, Floats
 from drone_engine.collision.continuous import sweep
 from drone_engine.collision.continuous.advancement import IMPACT
 from drone_engine.collision.mesh import octree
-from drone_engine.math.rotation import inverse, rotate_all
+from drone_engine.math.poses import inverse, rotate_all
 
 DT = 1 / 30
 CUBE, PLATE = np.full(3, 0.025), np.array([1.0, 1.0, 0.005])

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drone_engine.math.poses import matrix_from_rpy
+
 Array = NDArray[np.float64]
 
 SMALLEST_AREA = 1e-9  # m^2; what poles and pointed ends leave behind is dropped
@@ -28,7 +30,7 @@ class Part:
     ) -> "Part":
         """Scaled, turned about x, y, z in this order, and shifted. A mirrored part keeps its outside outside."""
         factors = np.broadcast_to(np.asarray(scale, float), (3,))
-        corners = self.corners * factors @ rotation(roll, pitch, yaw).T + np.asarray(to, float)
+        corners = self.corners * factors @ matrix_from_rpy(roll, pitch, yaw).T + np.asarray(to, float)
         uv = self.uv
         if np.prod(factors) < 0:
             corners, uv = corners[:, ::-1], uv[:, ::-1]
@@ -75,15 +77,6 @@ def centred(model: Sequence[Part]) -> Model:
     """Shifted so that the origin is the middle of the box around it."""
     low, high = bounds(model)
     return moved(model, to=-(low + high) / 2)
-
-
-def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """The matrix that turns about x, then y, then z of the fixed frame."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    return np.asarray(about_z @ about_y @ about_x)
 
 
 def surface(

@@ -10,7 +10,8 @@ import numpy as np
 import pybullet
 
 from drone_engine.arrays import Floats
-from drone_engine.math.rotation import from_rpy, inverse, rotate_all
+from drone_engine.math.poses import inverse, rotate_all
+from drone_engine.math.quaternion import from_rpy
 from reference.box_world import Box, G, Setting, depth, energy, highest_speed, world_of
 
 ROOM = 4 << 30  # bytes that MuJoCo may take for contacts

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
 from drone_engine.arrays import Floats
-from drone_engine.math.rotation import compose
+from drone_engine.math.poses import compose
 from drone_engine.scene.schema import Collision, Scene, load
 from drone_engine.world import Command, World
 from drone_render import context

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from drone_engine.math.rotation import from_rpy, rotate_all
+from drone_engine.math.poses import rotate_all
+from drone_engine.math.quaternion import from_rpy
 from drone_engine.world import World
 from reference.box_world import Box, G, Setting, advance, depth, energy, highest_speed, world_of
 from reference.motion.outcome import Criterion, Outcome, thinned

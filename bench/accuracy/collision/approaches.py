@@ -8,7 +8,7 @@ from bench.accuracy.collision.flights import Encounter
 from drone_engine.arrays import Floats
 from drone_engine.collision import Shape, intersects
 from drone_engine.geometry import mesh
-from drone_engine.math.rotation import rotate_all
+from drone_engine.math.poses import rotate_all
 
 STEP = 0.01  # m from one row of a line to the next
 AHEAD = 0.1  # m between the bounding spheres where a line starts

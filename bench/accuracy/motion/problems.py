@@ -8,7 +8,8 @@ import numpy as np
 
 from bench.dynamics.engines import Boxes, Ours
 from drone_engine.arrays import Floats
-from drone_engine.math.rotation import from_rpy, rotate_all
+from drone_engine.math.poses import rotate_all
+from drone_engine.math.quaternion import from_rpy
 from reference.box_world import Box, G, Setting, world_of
 from reference.free_rotation import attitude
 from reference.motion.free import MASS, RATE, SIZE, VELOCITY, angle_between

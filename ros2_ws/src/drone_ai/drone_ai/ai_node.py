@@ -5,7 +5,7 @@ import sys
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drone_interfaces.msg import Scene
-from geometry_msgs.msg import Quaternion, Twist, Vector3
+from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -13,6 +13,7 @@ from rclpy.node import Node
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
+from drone_engine.math.quaternion import matrix
 from drone_engine.scene.schema import Flight, Patrol, SceneError, load
 from drone_sim.node.parameters import Parameters
 from drone_sim.node.process import run
@@ -117,25 +118,13 @@ def _status(drone: PilotedDrone) -> DiagnosticStatus:
 def _observation(odometry: Odometry) -> Observation:
     """The pilot's input from an odometry message, whose velocity is in the body frame."""
     stamp, pose, velocity = odometry.header.stamp, odometry.pose.pose, odometry.twist.twist.linear
+    q = pose.orientation
+    m00, _, _, m10, _, _, m20, m21, m22 = matrix(q.x, q.y, q.z, q.w)
     return Observation(
         time=stamp.sec + stamp.nanosec * 1e-9,
         position_w=(pose.position.x, pose.position.y, pose.position.z),
-        yaw=_yaw(pose.orientation),
-        climb_rate=_along_world_z(pose.orientation, velocity),
-    )
-
-
-def _yaw(q: Quaternion) -> float:
-    """Heading of the body's x axis, in rad."""
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-
-
-def _along_world_z(q: Quaternion, v: Vector3) -> float:
-    """z of a body vector in the world: the last row of the rotation matrix."""
-    return float(
-        2.0 * (q.x * q.z - q.w * q.y) * v.x
-        + 2.0 * (q.y * q.z + q.w * q.x) * v.y
-        + (1.0 - 2.0 * (q.x * q.x + q.y * q.y)) * v.z
+        yaw=math.atan2(m10, m00),  # heading of the body's x axis, rad
+        climb_rate=float(m20 * velocity.x + m21 * velocity.y + m22 * velocity.z),
     )
 
 

@@ -1,4 +1,4 @@
-"""The one way to compile a function: `@kernel`, or `@inlined` for what many loops share."""
+"""Decorators that compile functions: `@kernel`, or `@inlined` for small functions called from many loops."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -8,26 +8,27 @@ from numba.core import sigutils
 from numba.core.ccallback import CFunc
 from numba.core.dispatcher import Dispatcher
 
-from drone_engine.cache import KernelCache
+from drone_engine.kernel_cache import KernelCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compiles a function of numbers, tuples and arrays when it is first called. No fast-math: runs repeat bitwise.
+    """Compiles a function of numbers, tuples and arrays at its first call, without fast-math: runs repeat bit for bit.
 
-    With NUMBA_DISABLE_JIT=1 the function stays Python's, so that a debugger can step through it.
+    With NUMBA_DISABLE_JIT=1 it stays a Python function, so that a debugger can step through it.
     """
     return _cached(numba.njit(error_model="numpy")(function), function)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:
-    """A kernel that is compiled into each of its callers: their loops over it can then be vectorised."""
+    """A kernel that is inlined into its callers, so that their loops over it can be vectorized."""
     return _cached(numba.njit(error_model="numpy", forceinline=True)(function), function)  # type: ignore[no-any-return]
 
 
 def c_function(signature: str) -> Callable[[F], Any]:
-    """Compiles a function at once, with a C calling convention; `.address` is where it lies."""
+    """Decorator: compiles a function immediately, with a C calling convention and a numba signature such as
+    "int64(int64)"; `.address` of the result is its address."""
 
     def compile_now(function: F) -> Any:
         arguments, result = sigutils.normalize_signature(signature)
@@ -46,9 +47,9 @@ def _cached(compiled: Any, function: Callable[..., Any]) -> Any:
 
 
 def reached(compiled: Any) -> list[Any]:
-    """A kernel and all kernels that it calls, and they, in the order in which they are met."""
+    """A kernel and all kernels that it calls, directly or not, in breadth-first order."""
     found = [compiled]
-    for caller in found:  # which grows meanwhile
+    for caller in found:  # grows in the loop
         function = caller.py_func
         for name in function.__code__.co_names:
             callee = function.__globals__.get(name)

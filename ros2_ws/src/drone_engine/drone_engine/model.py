@@ -1,12 +1,12 @@
-"""What a scene's things are, as arrays: nothing here changes while the scene runs.
+"""A scene as arrays that do not change while it runs: bodies, drones, rotors and frames.
 
-Bodies are the objects without a parent that can be touched or can move, in the order of the scene. A body's own
-point, whose motion is simulated, is the centre of its box, taken as its centre of mass; its inertia is that of what
-its surface encloses.
+A body is an object without a parent that can move or be touched; bodies keep the order of the scene. The point of a
+body that is simulated is the center of its bounding box, taken as its center of mass; its moments of inertia are those
+of the solid that its surface encloses (geometry/mass_properties.py).
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -17,39 +17,41 @@ from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision_level import LEVELS, OBB, TESTED, UNSET
 from drone_engine.geometry import mesh
 from drone_engine.geometry.mass_properties import moments
-from drone_engine.math.rotation import from_rpy, rotate_all
-from drone_engine.scene.fields import Pose
+from drone_engine.math.poses import poses_from_rpy, rotate_all
 from drone_engine.scene.schema import Flight, Object, Scene, SceneError
 
-FLAT_OR_NOT = ("floor", "ground")  # words of what carries everything
-THINNEST, THICKEST = 1e-6, 1e6  # m; sides of what moves, so that its inertia is neither zero nor infinite
+GROUND_LEVELS = ("floor", "ground")  # collision levels of objects that support all bodies above them
+MIN_SIDE, MAX_SIDE = 1e-6, 1e6  # m; sides of a moving body's box, so that its inertia is neither 0 nor infinite
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """n bodies. SI units; frames: _w the world's, _b the object's own."""
+    """Constants of n bodies. SI units; frames: _w is the world's, _b the object's own."""
 
     names: tuple[str, ...]
     movable: Booleans  # (n,)
-    solid: Booleans  # (n,) found by the broad phase; not: floors, and what touches nothing
-    half: Floats  # (n, 3) half extents of the box
-    centre_b: Floats  # (n, 3) where the box's centre is in the object
-    mass: Floats  # (n,) 0 for what does not move
-    inverse_mass: Floats  # (n,) 0 for what does not move
-    inertia_b: Floats  # (n, 3) moments about the axes of the box
-    friction: Floats  # (n,)
-    restitution: Floats  # (n,)
-    start_w: Floats  # (n, 7) pose of the centre at the start
+    solid: Booleans  # (n,) takes part in the broad phase; false for planes, terrain and objects without collision
+    half: Floats  # (n, 3) m, half extents of the bounding box
+    center_b: Floats  # (n, 3) m, center of the bounding box
+    mass: Floats  # (n,) kg, 0 for static bodies
+    inverse_mass: Floats  # (n,) 1/kg, 0 for static bodies
+    inertia_b: Floats  # (n, 3) kg m^2, moments about the axes of the box through its center
+    friction: Floats  # (n,) coefficient
+    restitution: Floats  # (n,) coefficient
+    start_w: Floats  # (n, 7) pose of the center at the start, x y z qx qy qz qw
 
     @property
     def count(self) -> int:
+        """Number of bodies, n."""
         return len(self.names)
 
 
 @dataclass(frozen=True)
-class Floor:
-    """A horizontal plane that carries everything above it; or, with a height of -inf, the scene's ground, which is as
-    high as its model."""
+class Plane:
+    """A horizontal plane that supports all bodies above it.
+
+    The scene's terrain is listed as a plane of height -inf: its real height varies from place to place.
+    """
 
     body: int
     height: float  # m
@@ -57,65 +59,68 @@ class Floor:
 
 @dataclass(frozen=True)
 class CollisionSettings:
-    """Collision level and contacts of pairs of bodies: the pair's own, else the finer of the two bodies', else the
-    scene's."""
+    """Collision level and contacts of pairs of n bodies: those of the pair, else the finer of the two bodies', else the
+    scene's. Levels are the numbers of collision_level.py; contacts are 1 (all), or 0 (the deepest point only)."""
 
     level: int  # of the scene
-    all_contacts: int  # 1, or 0: the deepest point alone
-    body_level: Integers  # (n,) of each body, or UNSET
-    body_contacts: Integers  # (n,) 1, 0 or UNSET
-    pairs: dict[tuple[int, int], tuple[int, int]]  # bodies a < b: level or DISABLED; 1, 0 or UNSET
+    all_contacts: int  # of the scene
+    body_level: Integers  # (n,) or UNSET
+    body_contacts: Integers  # (n,) or UNSET
+    pairs: dict[tuple[int, int], tuple[int, int]]  # bodies a < b: level or DISABLED, contacts or UNSET
 
 
 @dataclass(frozen=True)
 class Drones:
     """d bodies that fly."""
 
-    body: Integers  # (d,) index among the bodies
+    body: Integers  # (d,) index of the body
     max_speed: Floats  # (d,) m/s
     max_acceleration: Floats  # (d,) m/s^2
     max_yaw_rate: Floats  # (d,) rad/s
-    quadrotor: Booleans  # (d,) of that flight model, else of 'direct'
-    flights: tuple[Flight, ...]  # (d,) as the scene says it
+    quadrotor: Booleans  # (d,) whether the flight model is 'quadrotor'; else it is 'direct'
+    flights: tuple[Flight, ...]  # (d,) settings in the scene
 
 
 @dataclass(frozen=True)
 class Rotors:
-    """r children of drones that turn about their own z axis."""
+    """r children of drones that rotate about their own z axis."""
 
     names: tuple[str, ...]
     parents: tuple[str, ...]
-    paths: tuple[Path, ...]  # (r,) of their models
-    drone: Integers  # (r,) index among the drones
-    pose_p: Floats  # (r, 7) in the parent
-    rate: Floats  # (r,) rad/s in flight; its sign is the direction
+    paths: tuple[Path, ...]  # (r,) files of their models
+    drone: Integers  # (r,) index of the drone
+    pose_p: Floats  # (r, 7) in the parent's frame
+    rate: Floats  # (r,) rad/s in flight, positive counter-clockwise seen from above
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """Everything else: what stands in the world, and children that do not turn."""
+    """k objects whose pose in their parent never changes: static objects, and children that are no rotors."""
 
     names: tuple[str, ...]
-    parents: tuple[str, ...]
-    pose_p: Floats  # (k, 7) in the parent
+    parents: tuple[str, ...]  # 'world' if it has none
+    pose_p: Floats  # (k, 7) in the parent's frame
 
 
 @dataclass(frozen=True)
 class Model:
-    """A scene in arrays."""
+    """A scene as arrays, for n bodies."""
 
     bodies: Bodies
-    paths: tuple[Path, ...]  # (n,) of the bodies' models
+    paths: tuple[Path, ...]  # (n,) files of the bodies' models
     collision: CollisionSettings
-    floors: tuple[Floor, ...]
-    ground: int | None  # the body that is uneven ground
+    planes: tuple[Plane, ...]
+    terrain: int | None  # the body whose surface is the height field
     drones: Drones
     rotors: Rotors
     fixed: Fixed
 
 
 def build(scene: Scene) -> Model:
-    """Reads the models that the scene names. Raises mesh.MeshError, and SceneError for what moves but is flat."""
+    """Reads the models of a scene into arrays.
+
+    Raises mesh.MeshError, and SceneError for a moving body whose bounding box has no volume.
+    """
     objects = scene.objects
     level = {name: scene.level(name) for name in objects}
     body_names = [name for name, thing in objects.items()
@@ -127,22 +132,22 @@ def build(scene: Scene) -> Model:
         bodies=_bodies(scene, body_names, level),
         paths=tuple(scene.model_path(name) for name in body_names),
         collision=_collision_settings(scene, body_names),
-        floors=tuple(Floor(i, objects[name].pose[2] if level[name] == "floor" else -math.inf)
-                     for i, name in enumerate(body_names) if level[name] in FLAT_OR_NOT),
-        ground=next((i for i, name in enumerate(body_names) if level[name] == "ground"), None),
+        planes=tuple(Plane(i, objects[name].pose[2] if level[name] == "floor" else -math.inf)
+                     for i, name in enumerate(body_names) if level[name] in GROUND_LEVELS),
+        terrain=next((i for i, name in enumerate(body_names) if level[name] == "ground"), None),
         drones=_drones(objects, body_names, drone_names),
         rotors=Rotors(
             names=tuple(rotor_names),
             parents=tuple(str(objects[name].parent) for name in rotor_names),
             paths=tuple(scene.model_path(name) for name in rotor_names),
             drone=np.array([drone_names.index(_root(objects, name)) for name in rotor_names], np.int64),
-            pose_p=_poses(objects[name].pose for name in rotor_names),
+            pose_p=poses_from_rpy(objects[name].pose for name in rotor_names),
             rate=np.array([r.direction * r.speed for name in rotor_names if (r := objects[name].rotor)]),
         ),
         fixed=Fixed(
             names=tuple(fixed_names),
             parents=tuple(objects[name].parent or "world" for name in fixed_names),
-            pose_p=_poses(objects[name].pose for name in fixed_names),
+            pose_p=poses_from_rpy(objects[name].pose for name in fixed_names),
         ),
     )
 
@@ -151,23 +156,23 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
     things = [scene.objects[name] for name in names]
     box = {path: mesh.bounds(path) for path in {scene.model_path(name) for name in names}}
     low, high = (np.array([box[scene.model_path(name)][side] for name in names]).reshape(-1, 3) for side in (0, 1))
-    half, centre_b = (high - low) / 2, (high + low) / 2
+    half, center_b = (high - low) / 2, (high + low) / 2
     mass = np.array([thing.mass or 0.0 for thing in things])
     movable = mass > 0.0
-    for i in np.flatnonzero(movable & ((2 * half < THINNEST) | (2 * half > THICKEST)).any(axis=1)):
+    for i in np.flatnonzero(movable & ((2 * half < MIN_SIDE) | (2 * half > MAX_SIDE)).any(axis=1)):
         size = " x ".join(f"{2 * side:g}" for side in half[i])
-        raise SceneError(f"{scene.path}: objects.{names[i]}.model: {scene.model_path(names[i])} has no volume that "
-                         f"can move: each side needs {THINNEST:g} to {THICKEST:g} m, got {size} m")
+        raise SceneError(f"{scene.path}: objects.{names[i]}.model: {scene.model_path(names[i])}: a moving "
+                         f"object needs a volume: expected sides from {MIN_SIDE:g} to {MAX_SIDE:g} m, got {size} m")
     per_mass = np.array([moments(scene.model_path(name)) if moves else (0.0, 0.0, 0.0)
                          for name, moves in zip(names, movable, strict=True)]).reshape(-1, 3)
-    start_w = _poses(thing.pose for thing in things)
-    start_w[:, :3] += rotate_all(start_w[:, 3:], centre_b)
+    start_w = poses_from_rpy(thing.pose for thing in things)
+    start_w[:, :3] += rotate_all(start_w[:, 3:], center_b)
     return Bodies(
         names=tuple(names),
         movable=movable,
         solid=np.array([level[name] in TESTED for name in names], bool),
         half=half,
-        centre_b=centre_b,
+        center_b=center_b,
         mass=mass,
         inverse_mass=np.divide(1.0, mass, out=np.zeros_like(mass), where=movable),
         inertia_b=mass[:, None] * per_mass,
@@ -179,7 +184,7 @@ def _bodies(scene: Scene, names: list[str], level: Mapping[str, str]) -> Bodies:
 
 def _collision_settings(scene: Scene, names: list[str]) -> CollisionSettings:
     index = {name: i for i, name in enumerate(names)}
-    words = [scene.objects[name].collision for name in names]
+    settings = [scene.objects[name].collision for name in names]
     pairs = {}
     for pair in scene.collision.pairs:
         for first, second in product(*(scene.named(name) for name in pair.between)):
@@ -189,14 +194,14 @@ def _collision_settings(scene: Scene, names: list[str]) -> CollisionSettings:
     return CollisionSettings(
         level=LEVELS.get(scene.collision.level, OBB),
         all_contacts=_contacts(scene.collision.contacts),
-        body_level=np.array([LEVELS.get(word.level or "", UNSET) for word in words], np.int64),
-        body_contacts=np.array([_contacts(word.contacts) for word in words], np.int64),
+        body_level=np.array([LEVELS.get(own.level or "", UNSET) for own in settings], np.int64),
+        body_contacts=np.array([_contacts(own.contacts) for own in settings], np.int64),
         pairs=pairs,
     )
 
 
-def _contacts(word: str | None) -> int:
-    return UNSET if word is None else int(word == "all")
+def _contacts(contacts: str | None) -> int:
+    return UNSET if contacts is None else int(contacts == "all")
 
 
 def _drones(objects: dict[str, Object], body_names: list[str], names: list[str]) -> Drones:
@@ -217,14 +222,7 @@ def _root(objects: dict[str, Object], name: str) -> str:
     return name
 
 
-def _poses(poses: Iterable[Pose]) -> Floats:
-    rows = [(*pose[:3], *from_rpy(*pose[3:])) for pose in poses]
-    return np.array(rows, np.float64).reshape(-1, 7)
-
-
 def object_poses(bodies: Bodies, position: Floats, orientation: Floats) -> Floats:
-    """Poses (n, 7) of the objects' own origins in the world, from those of the centres of their boxes."""
-    origin = position - rotate_all(orientation, bodies.centre_b)
+    """Poses (n, 7) of the objects' origins in the world, from those of the centers: (n, 3) and quaternions (n, 4)."""
+    origin = position - rotate_all(orientation, bodies.center_b)
     return np.concatenate([origin, orientation], axis=1)
-
-

@@ -1,4 +1,4 @@
-"""Everything that changes while a scene runs, as arrays; a run is repeated by repeating these."""
+"""All arrays that change while a scene runs. Equal states with equal commands continue equally, bit for bit."""
 
 import hashlib
 from dataclasses import dataclass, field, fields
@@ -12,26 +12,26 @@ from drone_engine.model import Model
 
 @dataclass
 class State:
-    """n bodies, d drones, r rotors. Bodies that do not move keep their start and zero velocity."""
+    """State of n bodies, d drones and r rotors. Static bodies keep their start pose and zero velocity."""
 
-    position_w: Floats  # (n, 3) m, centres of the boxes
-    orientation_w: Floats  # (n, 4) x y z w
+    position_w: Floats  # (n, 3) m, centers of the bounding boxes
+    orientation_w: Floats  # (n, 4) unit quaternions x y z w
     velocity_w: Floats  # (n, 3) m/s
     angular_velocity_w: Floats  # (n, 3) rad/s
-    command_b: Floats  # (d, 4) m/s, m/s, m/s, rad/s: the last one given
-    silence: Integers  # (d,) steps since a command was given
-    hold_w: Floats  # (d, 3) m, where a drone without commands stays; NaN while it is not there yet
-    landed: Integers  # (d,) 1 while its rotors are off
+    command_b: Floats  # (d, 4) latest command: forward, left, up in m/s, yaw rate in rad/s
+    silence: Integers  # (d,) steps since the latest command
+    hold_w: Floats  # (d, 3) m, where a drone without commands hovers; NaN until it has stopped
+    landed: Integers  # (d,) 1 while landed, with the rotors off
     rotor_angle: Floats  # (r,) rad
     rotor_rate: Floats  # (r,) rad/s
-    awake: Integers  # (n + 1,) how many bodies move and are not asleep, and which, ascending
-    still: Floats  # (n,) s for which a body has hardly moved
-    step: Integers  # (1,) steps since the start
-    memory: dict[str, Floats] = field(default_factory=dict)  # what effects keep from step to step, by their names
+    awake: Integers  # (n + 1,) number of awake moving bodies, then their indices, ascending
+    still: Floats  # (n,) s since a body last moved noticeably
+    step: Integers  # (1,) steps taken
+    memory: dict[str, Floats] = field(default_factory=dict)  # state of effects and flight models, by name
 
     @classmethod
     def of(cls, model: Model) -> Self:
-        """The state at the start: drones in the air hover, as if they had just been told to stop."""
+        """The state at the start: drones in the air hover, as if they had just been commanded to stop."""
         n, d, r = model.bodies.count, len(model.drones.body), len(model.rotors.names)
         return cls(
             position_w=model.bodies.start_w[:, :3].copy(),
@@ -51,31 +51,32 @@ class State:
 
     @property
     def is_awake(self) -> Booleans:
-        """Which bodies move and are not asleep, (n,)."""
+        """Mask (n,) of the moving bodies that are not asleep."""
         mask: Booleans = np.zeros(len(self.awake) - 1, np.bool_)
         mask[self.awake[1 : 1 + self.awake[0]]] = True
         return mask
 
     def remember(self, name: str, start: Floats) -> Floats:
-        """Keeps an array as part of the state, with these numbers at the start."""
+        """Adds an array of an effect to the state, with its start values; returns the one in the state."""
         return self.memory.setdefault(name, start)
 
     def arrays(self) -> dict[str, Floats | Integers]:
-        """Everything that changes, by name."""
+        """All arrays, by name."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "memory"}
         return own | {f"memory.{name}": array for name, array in self.memory.items()}
 
     def assign(self, other: Self) -> None:
-        """Takes over all numbers of another state of the same model, into the same arrays."""
+        """Copies all values of another state of the same model into the arrays of this one."""
         for mine, others in zip(self.arrays().values(), other.arrays().values(), strict=True):
             mine[...] = others
 
     def copy(self) -> Self:
+        """A deep copy."""
         own = {field.name: getattr(self, field.name).copy() for field in fields(self) if field.name != "memory"}
         return type(self)(**own, memory={name: array.copy() for name, array in self.memory.items()})
 
     def hash(self) -> str:
-        """SHA-256 over all numbers, bit for bit, hexadecimal."""
+        """SHA-256 over the bits of all arrays, in hexadecimal."""
         digest = hashlib.sha256()
         for array in self.arrays().values():
             digest.update(np.ascontiguousarray(array).data)

@@ -109,7 +109,7 @@ class World:
             context.stage("clear forces", clear_forces), *(stage for each in built for stage in each.force)])
         self.substep_program = self._program("substep", [stage for each in built for stage in each.substep])
         self.motion = Motion(dynamics.integrator, context, self.force_program, self.substep_program, dynamics.passes)
-        self._isolated = m.bodies.solid.sum() + len(m.floors) < 2  # nothing can touch anything
+        self._isolated = m.bodies.solid.sum() + len(m.planes) < 2  # nothing can touch anything
         may_sleep = dynamics.sleep and not self._isolated and not any(
             effects.unsteady(name, self.scene) for name in active)
         self.sleep = Sleep(context, self.detection) if may_sleep else None

@@ -14,7 +14,7 @@ from drone_engine import model
 from drone_engine.assets import ASSETS
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.geometry import mesh
-from drone_engine.model import FLAT_OR_NOT
+from drone_engine.model import GROUND_LEVELS
 from drone_engine.scene.schema import Scene, load
 
 SCENES = sorted(path.stem for path in (ASSETS / "scenes").glob("*.yaml"))
@@ -60,7 +60,7 @@ def distance(box: Box, points: Array) -> Array:
 def solid(scene: Scene) -> dict[str, Box]:
     """The boxes of everything that can be hit at its sides."""
     names = [name for name, thing in scene.objects.items()
-             if thing.parent is None and scene.level(name) not in ("none", *FLAT_OR_NOT)]
+             if thing.parent is None and scene.level(name) not in ("none", *GROUND_LEVELS)]
     return {name: box_of(scene, name) for name in names}
 
 
@@ -70,7 +70,7 @@ def test_scene_is_whole(name: str) -> None:
     assert scene.cameras
     assert scene.lights
     assert "user_drone" in scene.objects
-    assert any(scene.level(name) in FLAT_OR_NOT for name in scene.objects)
+    assert any(scene.level(name) in GROUND_LEVELS for name in scene.objects)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -151,7 +151,7 @@ def test_textures_exist(library: Path) -> None:
 def test_what_is_solid_has_colours_and_bumps(name: str) -> None:
     """Two maps of one size, so that they can be packed into one."""
     for part in mesh.load((ASSETS / "models" / f"{name}.obj").resolve()).parts:
-        colours, bumps = part.material.colour_map, part.material.normal_map
+        colours, bumps = part.material.color_map, part.material.normal_map
         assert colours is not None, part.material.name
         assert bumps is not None, part.material.name
         with Image.open(colours) as first, Image.open(bumps) as second:

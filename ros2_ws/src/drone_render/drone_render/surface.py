@@ -35,7 +35,7 @@ class Look(NamedTuple):
         """How a material looks with what the scene asks for."""
         shines = render.specular is not None and max(material.specular) >= FAINT
         return cls(
-            material.colour_map,
+            material.color_map,
             material.normal_map if render.normal_mapping is not None else None,
             squarings(material.shininess) if shines else None,
         )
@@ -114,7 +114,7 @@ class Surface:
             "position": [part.vertices for part in parts],
             "normal": [part.normals for part in parts],
             "uv": [part.uv for part in parts],
-            "colour": [_each(part, part.material.colour) for part in parts],
+            "colour": [_each(part, part.material.color) for part in parts],
         }
         if look.squarings is not None:
             columns["specular"] = [_each(part, part.material.specular) for part in parts]

@@ -19,7 +19,7 @@ from simulation_interfaces.srv import GetSimulationState, LoadWorld, ResetSimula
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from drone_engine import cache
+from drone_engine import kernel_cache
 from drone_engine.geometry.mesh import MeshError
 from drone_engine.scene.schema import SceneError, load
 from drone_engine.world import World
@@ -88,7 +88,7 @@ class SimNode(Node):
     def _build(self, name: str) -> World:
         """Loads and compiles a world. Raises SceneError or MeshError."""
         world = World(load(name), timed=True)
-        first_time = not cache.compiled_before()
+        first_time = not kernel_cache.compiled_before()
 
         def report(done: int, total: int, stage: str) -> None:
             if first_time:

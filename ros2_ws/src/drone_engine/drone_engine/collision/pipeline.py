@@ -164,13 +164,13 @@ class Detection:
         self._grid.room(n)
         self._low, self._high = np.empty((2, n, 3))
         self._bounding_radius: Floats = np.linalg.norm(bodies.half, axis=1)
-        self._planes: Integers = np.array([plane.body for plane in model.floors], np.int64)
+        self._planes: Integers = np.array([plane.body for plane in model.planes], np.int64)
         self._plane_height: Floats = np.full(n, np.nan)
         half = bodies.half.copy()
         half[self._planes] = np.inf
-        self._plane_height[self._planes] = [plane.height for plane in model.floors]
+        self._plane_height[self._planes] = [plane.height for plane in model.planes]
         land = height_field.of(model)
-        self._footing = None if land is None or model.ground is None else Footing(land, model.ground)
+        self._footing = None if land is None or model.terrain is None else Footing(land, model.terrain)
         self._top: Floats = self._plane_height.copy()  # of planes and terrain, m
         if self._footing:
             self._top[self._footing.body] = self._footing.terrain.frame[6]

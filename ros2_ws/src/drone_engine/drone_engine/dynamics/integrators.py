@@ -3,7 +3,7 @@
 import math
 
 from drone_engine.kernel import inlined, kernel
-from drone_engine.math.rotation import matrix, rotate, turned
+from drone_engine.math.rotation import integrate_rotation, matrix, rotate
 
 NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
 CONVERGED = 1e-30  # of the square of an angular velocity
@@ -148,7 +148,7 @@ def move(i, position, orientation, velocity, angular, h):
     """Position and orientation of body i after h s at these velocities."""
     for c in range(3):
         position[i, c] += h * velocity[i, c]
-    (orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]) = turned(
+    (orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]) = integrate_rotation(
         orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
         angular[i, 0], angular[i, 1], angular[i, 2], h)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from drone_engine.arrays import Floats, Integers
 from drone_engine.geometry import mesh
-from drone_engine.math.rotation import compose, rotate_all
+from drone_engine.math.poses import compose, rotate_all
 from drone_engine.model import Model
 
 
@@ -29,7 +29,7 @@ def disks(model: Model, radius: float | None = None) -> Disks:
             poses[r], parent = compose(fixed.pose_p[part], poses[r]), fixed.parents[part]
     body = model.drones.body[rotors.drone]
     sizes = {path: _radius(mesh.bounds(path)) for path in set(rotors.paths)} if radius is None else {}
-    return Disks(body=body, place_b=poses[:, :3] - bodies.centre_b[body],
+    return Disks(body=body, place_b=poses[:, :3] - bodies.center_b[body],
                  axis_b=rotate_all(poses[:, 3:], np.array([0.0, 0.0, 1.0])),
                  radius=np.array([sizes.get(path, radius) for path in rotors.paths], np.float64))
 

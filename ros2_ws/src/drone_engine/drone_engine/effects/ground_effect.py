@@ -89,9 +89,9 @@ def build(parameters: Parameters, context: Context) -> Stages:
     model = context.model
     if not model.rotors.names:
         return Stages(idle="no drone in the scene has rotors")
-    if not model.floors:
+    if not model.planes:
         return Stages(idle="no floor or ground in the scene")
-    floors = np.array([floor.height for floor in model.floors if math.isfinite(floor.height)], np.float64)
+    floors = np.array([floor.height for floor in model.planes if math.isfinite(floor.height)], np.float64)
     land = terrain.of(model)
     frame, start, entry, face = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
     rotors = disks(model, parameters.radius)

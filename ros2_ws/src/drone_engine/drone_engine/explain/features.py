@@ -60,9 +60,9 @@ def _collision(world: World) -> Iterator[Feature]:
         default = LEVELS[level] == levels.default
         why = "of all that say nothing of their own" if default else "of some pairs" if used else "no pair asks for it"
         yield Feature("collision", level, used, why)
-    floors = [bodies.names[floor.body] for floor in world.model.floors if floor.body != world.model.ground]
+    floors = [bodies.names[floor.body] for floor in world.model.planes if floor.body != world.model.terrain]
     yield Feature("collision", "floor", bool(floors), few(floors) or "no object is one")
-    ground = world.model.ground
+    ground = world.model.terrain
     yield Feature("collision", "ground", ground is not None,
                   "no object is uneven ground" if ground is None else f"the surface of {bodies.names[ground]}")
     read = [bodies.names[i] for i in levels.mesh_bodies()]

@@ -41,7 +41,7 @@ from drone_engine.fleet.block import (
 from drone_engine.flight.control import rates
 from drone_engine.flight.craft import craft
 from drone_engine.kernel import inlined, kernel
-from drone_engine.math.rotation import LITTLE, matrix, rotate, turned, turned_little
+from drone_engine.math.rotation import SERIES_LIMIT, integrate_rotation, integrate_small_rotation, matrix, rotate
 
 
 @inlined
@@ -84,7 +84,7 @@ def euler(block, n, number, lag, drag, rotors):
         put(block, V, k, vx, vy, vz)
         put(block, A, k, ax, ay, az)
         block[MARK * LANES + k] = ax * ax + ay * ay + az * az
-    fast, most = 0, 0.99 * LITTLE / (0.25 * h * h)
+    fast, most = 0, 0.99 * SERIES_LIMIT / (0.25 * h * h)
     for k in range(n):
         px, py, pz = three(block, P, k)
         vx, vy, vz = three(block, V, k)
@@ -94,13 +94,13 @@ def euler(block, n, number, lag, drag, rotors):
         for k in range(n):
             qx, qy, qz, qw = four(block, Q, k)
             ax, ay, az = three(block, A, k)
-            qx, qy, qz, qw = turned_little(qx, qy, qz, qw, ax, ay, az, h)
+            qx, qy, qz, qw = integrate_small_rotation(qx, qy, qz, qw, ax, ay, az, h)
             put_four(block, Q, k, qx, qy, qz, qw)
     else:
         for k in range(n):
             qx, qy, qz, qw = four(block, Q, k)
             ax, ay, az = three(block, A, k)
-            qx, qy, qz, qw = turned(qx, qy, qz, qw, ax, ay, az, h)
+            qx, qy, qz, qw = integrate_rotation(qx, qy, qz, qw, ax, ay, az, h)
             put_four(block, Q, k, qx, qy, qz, qw)
 
 

@@ -94,7 +94,7 @@ def rotors_of(model: Model, drone: int) -> Integers:
 
 def arms(model: Model, drone: int) -> tuple[Arm, ...]:
     """Its rotors about its centre of mass, as the scene has them, else as its airframe says."""
-    rotors, centre = rotors_of(model, drone), model.bodies.centre_b[model.drones.body[drone]]
+    rotors, centre = rotors_of(model, drone), model.bodies.center_b[model.drones.body[drone]]
     if rotors[0] < 0:
         return (model.drones.flights[drone].quadrotor or Airframe()).arms
     at = model.rotors.pose_p[rotors, :2] - centre[:2]

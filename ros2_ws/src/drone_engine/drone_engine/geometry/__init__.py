@@ -1,1 +1,1 @@
-"""Models as arrays: meshes, materials, mass properties."""
+"""Models from OBJ and MTL files: triangles, materials, bounding boxes and moments of inertia."""

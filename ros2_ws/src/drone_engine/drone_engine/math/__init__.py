@@ -1,1 +1,1 @@
-"""Rotations and vectors."""
+"""Rotations: formulas on numbers (quaternion), the same compiled (rotation), and arrays of poses (poses)."""

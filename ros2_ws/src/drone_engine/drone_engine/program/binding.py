@@ -19,7 +19,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from drone_engine.cache import generated_folder
+from drone_engine.kernel_cache import generated_folder
 from drone_engine.program.scope import BindingError
 from drone_engine.program.stage import Stage
 

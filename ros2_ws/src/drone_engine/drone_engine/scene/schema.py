@@ -14,7 +14,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError, model_validator
 
-from drone_engine.assets import asset_path, image_flaw
+from drone_engine.assets import asset_path
+from drone_engine.images import image_flaw
 from drone_engine.scene.airframe import Airframe
 from drone_engine.scene.fields import (
     FOUND,

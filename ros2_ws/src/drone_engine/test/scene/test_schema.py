@@ -151,7 +151,7 @@ def test_a_texture_of_the_sky_may_lie_beside_the_scene(path: Path) -> None:
     textures.mkdir()
     try:
         (textures / "fog.png").write_text("no image")
-        with pytest.raises(SceneError, match=r"render\.sky\.clouds: .*textures/fog\.png is not readable: no image"):
+        with pytest.raises(SceneError, match=r"render\.sky\.clouds: .*textures/fog\.png is not readable: not an image"):
             parse(GOOD.replace("version: 1", sky), path)
         Image.new("RGBA", (4, 4)).save(textures / "fog.png")
         found = parse(GOOD.replace("version: 1", sky), path).render.sky

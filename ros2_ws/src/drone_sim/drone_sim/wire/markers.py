@@ -49,7 +49,7 @@ class Markers:
         bodies = world.model.bodies
         self._bodies: Integers = np.flatnonzero(bodies.solid)
         poses = np.tile(HERE, (bodies.count, 1))
-        poses[:, :3] = bodies.centre_b
+        poses[:, :3] = bodies.center_b
         self._poses = poses
         half = bodies.half[self._bodies]
         corners = CORNERS[EDGES] * half[:, None]

@@ -7,7 +7,7 @@ import numpy as np
 
 from drone_engine.arrays import Floats
 from drone_engine.collision.events import ContactEvents
-from drone_engine.math.rotation import compose, inverse, rotate_all
+from drone_engine.math.poses import compose, inverse, rotate_all
 from drone_engine.world import World
 from drone_sim.wire import layouts
 from drone_sim.wire.cdr import SECOND, Message
@@ -117,5 +117,5 @@ class Telemetry:
         state, bodies, drone = self._world.state, self._world.model.bodies, self._world.model.drones.body
         to_body = inverse(state.orientation_w[drone])
         angular = rotate_all(to_body, state.angular_velocity_w[drone])
-        linear = rotate_all(to_body, state.velocity_w[drone]) - np.cross(angular, bodies.centre_b[drone])
+        linear = rotate_all(to_body, state.velocity_w[drone]) - np.cross(angular, bodies.center_b[drone])
         return np.concatenate([linear, angular], axis=1)

@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from visualization_msgs.msg import Marker, MarkerArray
 
 from drone_engine.collision_level import OBB
-from drone_engine.math.rotation import rotate_all
+from drone_engine.math.poses import rotate_all
 from drone_engine.world import World
 from drone_sim.wire.markers import CONTACT, LENGTH, LEVELS, TOUCHING, Markers
 

@@ -9,7 +9,7 @@ Sources: Mirtich 1996 (Impulse-based Dynamic Simulation, 2.3); Catto 2013 (Conti
 import math
 
 from drone_engine.kernel import kernel
-from drone_engine.math.rotation import matrix, turned
+from drone_engine.math.rotation import integrate_rotation, matrix
 
 NONE, IMPACT, UNFINISHED = range(3)
 ITERATIONS = 400  # a graze at full spin takes about 200
@@ -39,7 +39,7 @@ def place_at(motion, t, place):
         q, w = (TURN_A, SPIN_A) if body == 0 else (TURN_B, SPIN_B)
         x, y, z, s = motion[q], motion[q + 1], motion[q + 2], motion[q + 3]
         if motion[w] != 0.0 or motion[w + 1] != 0.0 or motion[w + 2] != 0.0:
-            x, y, z, s = turned(x, y, z, s, motion[w], motion[w + 1], motion[w + 2], t)
+            x, y, z, s = integrate_rotation(x, y, z, s, motion[w], motion[w + 1], motion[w + 2], t)
         m = matrix(x, y, z, s)
         row = AXES_A if body == 0 else AXES_B
         for k in range(3):

@@ -10,7 +10,7 @@ from drone_engine.collision.mesh import octree
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.placement import PlacedBodies, set_all_axes
 from drone_engine.kernel import kernel
-from drone_engine.math.rotation import rotate, turned
+from drone_engine.math.rotation import integrate_rotation, rotate
 from drone_engine.state import State
 
 
@@ -21,8 +21,8 @@ def advance(body, time, position, orientation, velocity, spin, out_position, out
         b, t = body[i], time[i]
         for c in range(3):
             out_position[i, c] = position[b, c] + velocity[b, c] * t
-        q = turned(orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3],
-                   spin[b, 0], spin[b, 1], spin[b, 2], t)
+        q = integrate_rotation(orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3],
+                               spin[b, 0], spin[b, 1], spin[b, 2], t)
         for c in range(4):
             out_orientation[i, c] = q[c]
 

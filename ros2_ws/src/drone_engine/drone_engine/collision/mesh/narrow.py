@@ -115,10 +115,10 @@ def read(model: Model, bodies: Integers) -> "Meshes":
     """The meshes of these bodies of a model, (k,), in the frames of their boxes' centres. Raises mesh.MeshError."""
     shapes: dict[tuple[Path, bytes], Shape] = {}
     which = np.full(model.bodies.count, -1)
-    floors = [plane.body for plane in model.floors]
+    floors = [plane.body for plane in model.planes]
     for body in bodies:
         if body not in floors and model.bodies.solid[body]:
-            path, centre = model.paths[body], model.bodies.centre_b[body]
+            path, centre = model.paths[body], model.bodies.center_b[body]
             if (path, centre.tobytes()) not in shapes:
                 vertices, faces = mesh.surface(path)
                 shapes[path, centre.tobytes()] = Shape.of(vertices - centre, faces)

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drone_engine.arrays import Floats, Integers
-from drone_engine.assets import read_once
+from drone_engine.file_cache import read_once
 from drone_engine.geometry import mesh
 from drone_engine.kernel import kernel
-from drone_engine.math.rotation import rotate_all
+from drone_engine.math.poses import rotate_all
 from drone_engine.model import Model, object_poses
 
 CELL = 1.0  # m, of ground that is not too wide for it
@@ -100,11 +100,11 @@ def lies_under(frame, flat, top, x0, y0, x1, y1):
 
 def of(model: Model) -> Terrain | None:
     """That of a scene's ground, if it has one. Raises mesh.MeshError."""
-    if model.ground is None:
+    if model.terrain is None:
         return None
     start = model.bodies.start_w
-    pose = object_poses(model.bodies, start[:, :3], start[:, 3:])[model.ground]
-    return _read(model.paths[model.ground], tuple(pose.tolist()))
+    pose = object_poses(model.bodies, start[:, :3], start[:, 3:])[model.terrain]
+    return _read(model.paths[model.terrain], tuple(pose.tolist()))
 
 
 @read_once

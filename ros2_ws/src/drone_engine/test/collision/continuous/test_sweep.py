@@ -9,7 +9,7 @@ from drone_engine.collision.continuous import sweep
 from drone_engine.collision.continuous.advancement import IMPACT, ITERATIONS, NEAR, NONE, boxes_meet, relative
 from drone_engine.collision.mesh import octree
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE
-from drone_engine.math.rotation import matrix, turned
+from drone_engine.math.rotation import integrate_rotation, matrix
 from reference import shapes
 
 DT = 1 / 30
@@ -27,7 +27,7 @@ def target_of(half: np.ndarray) -> float:
 
 def axes(q: np.ndarray, w: np.ndarray, t: float) -> np.ndarray:
     """Of a box that turned for t s, one a row."""
-    return np.array(matrix(*turned(*q, *w, t))).reshape(3, 3).T
+    return np.array(matrix(*integrate_rotation(*q, *w, t))).reshape(3, 3).T
 
 
 def separation(position: np.ndarray, q: np.ndarray, velocity: np.ndarray, w: np.ndarray, half: np.ndarray,

@@ -14,7 +14,7 @@ from drone_engine.collision.ray import cast as ray
 from drone_engine.collision.ray import triangle as ray_triangle
 from drone_engine.collision.triangle import intersection as triangles
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE
-from drone_engine.math.rotation import rotate_all
+from drone_engine.math.poses import rotate_all
 from reference import shapes
 
 LEVELS = (SPHERE, OBB, OCTREE, TRIANGLE)

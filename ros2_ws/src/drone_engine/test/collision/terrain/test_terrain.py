@@ -11,7 +11,7 @@ import pytest
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.effects import ground_effect
 from drone_engine.geometry import mesh
-from drone_engine.math.rotation import rotate_all
+from drone_engine.math.poses import rotate_all
 from drone_engine.scene.schema import Scene, SceneError, load, parse
 from drone_engine.world import World
 

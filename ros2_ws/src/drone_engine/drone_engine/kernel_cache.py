@@ -1,9 +1,9 @@
-"""Compiled kernels on disk, valid for as long as the text of every module that they depend on.
+"""Compiled kernels on disk, valid for as long as no module that they depend on changes.
 
-Numba's own cache hashes the file of a kernel alone and does not notice an edit in a file that the kernel calls into or
-takes a constant from; a stale kernel would be a wrong simulation. Here the stamp of a kernel covers its module and all
-modules that this one imports at top level, directly or through others, within the same packages. An edit therefore
-recompiles what depends on it, and nothing else.
+Numba's own cache hashes only the file of a kernel. It does not notice an edit in a module that the kernel calls into or
+takes a constant from, and would then run a stale kernel: a wrong simulation. Here the stamp of a kernel covers its
+module and all modules that this one imports at top level, directly or not, within the same packages. An edit thus
+recompiles the kernels that depend on it, and no others.
 """
 
 import hashlib
@@ -16,20 +16,20 @@ from typing import Any
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
 
 PACKAGE = Path(__file__).parent
-FALLBACK = Path.home() / ".cache" / "drone_engine"  # for an installation that may not be written to
-GENERATED = "generated_stages"  # folder of modules that the program writes, and the prefix of their names
+FALLBACK = Path.home() / ".cache" / "drone_engine"  # where the installation is read-only
+GENERATED = "generated_stages"  # folder of the modules that program.py writes
 _IMPORT = re.compile(rb"^(?:from\s+([\w.]+)\s+import\s+\(?([\w,\s]*)|import\s+([\w.]+))", re.MULTILINE)
 
 
 def _file_of(module: str) -> Path | None:
-    """The source of an imported module; None for what is no file of Python."""
+    """Source file of an imported module; None if it is not a Python file."""
     path = getattr(sys.modules.get(module), "__file__", None)
     return Path(path) if path and path.endswith(".py") else None
 
 
 @cache
 def _imports(path: Path) -> tuple[bytes, tuple[str, ...]]:
-    """The text of a file, and the modules that it names in imports at top level."""
+    """The text of a file, and the names of modules that it may import at top level."""
     text = path.read_bytes()
     names: list[str] = []
     for package, members, plain in _IMPORT.findall(text):
@@ -39,10 +39,10 @@ def _imports(path: Path) -> tuple[bytes, tuple[str, ...]]:
 
 
 def dependencies(path: Path) -> list[Path]:
-    """A file and all files that it imports, directly or not, of this package or of its own top-level package."""
+    """A file and all files that it imports, directly or not, of drone_engine or of its own top-level package."""
     found = [path]
     roots = {PACKAGE, _root(path)}
-    for file in found:  # which grows meanwhile
+    for file in found:  # grows in the loop
         for module in _imports(file)[1]:
             other = _file_of(module)
             if other and other not in found and any(root in other.parents for root in roots):
@@ -51,7 +51,7 @@ def dependencies(path: Path) -> list[Path]:
 
 
 def _root(path: Path) -> Path:
-    """The folder of the top-level package that a file belongs to; the file's own folder if it belongs to none."""
+    """Folder of the top-level package of a file; the file's own folder if it is in no package."""
     folder = path.parent
     while (folder.parent / "__init__.py").exists():
         folder = folder.parent
@@ -60,7 +60,7 @@ def _root(path: Path) -> Path:
 
 @cache
 def stamp(path: Path) -> str:
-    """SHA-256 over the texts of a file and of its dependencies, hexadecimal."""
+    """SHA-256 over the texts of a file and its dependencies, in hexadecimal."""
     digest = hashlib.sha256()
     for file in sorted(dependencies(path)):
         digest.update(_imports(file)[0])
@@ -69,7 +69,7 @@ def stamp(path: Path) -> str:
 
 @cache
 def folder_of(path: Path) -> Path:
-    """Where the compiled kernels of a file are kept: beside Python's own bytecode, or in the home folder."""
+    """Folder for the compiled kernels of a file: its __pycache__, or one below FALLBACK if that is not writable."""
     beside = path.parent / "__pycache__"
     try:
         beside.mkdir(exist_ok=True)
@@ -95,16 +95,16 @@ class _Implementation(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one function, with the stamp above."""
+    """Numba's on-disk cache of one function, invalidated by `stamp`."""
 
     _impl_class = _Implementation
 
 
 def generated_folder() -> Path:
-    """Where modules that the program writes are kept."""
+    """Folder of the modules that program.py writes."""
     return folder_of(PACKAGE / "program" / "program.py") / GENERATED
 
 
 def compiled_before() -> bool:
-    """Whether there are compiled stages on disk, so that a start takes seconds rather than minutes."""
+    """Whether compiled stages are on disk: a start then takes seconds rather than minutes."""
     return any(generated_folder().rglob("*.nbc"))
