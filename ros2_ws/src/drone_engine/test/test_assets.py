@@ -18,6 +18,7 @@ from drone_engine.model import GROUND_LEVELS
 from drone_engine.scene.schema import Scene, load
 
 SCENES = sorted(path.stem for path in (ASSETS / "scenes").glob("*.yaml"))
+SCRIPTS = Path(__file__).parents[4] / "assets"
 MODELS = sorted(path.stem for path in (ASSETS / "models").glob("*.obj"))
 CLEARANCE = 1.5  # m, between a patrol and everything that stands
 
@@ -160,7 +161,7 @@ def test_what_is_solid_has_colours_and_bumps(name: str) -> None:
 
 
 def test_scripts_make_the_same_bytes(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, "-m", "make", "--into", tmp_path, "crate", "metal"], cwd=ASSETS, check=True,
+    subprocess.run([sys.executable, "-m", "make", "--into", tmp_path, "crate", "metal"], cwd=SCRIPTS, check=True,
                    capture_output=True)  # fmt: skip
     for made in ("models/crate.obj", "models/crate.mtl", "textures/metal.png"):
         assert (tmp_path / made).read_bytes() == (ASSETS / made).read_bytes(), made
