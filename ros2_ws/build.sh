@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds message packages and assets into an environment of ROS wheels: build.sh ENVIRONMENT PACKAGE...
-# A machine with a ROS install does not need this: there a plain `colcon build` does it all.
+# Builds message packages into an environment of ROS wheels: build.sh ENVIRONMENT PACKAGE...
+# A machine with a ROS install does not need this script: there, `colcon build` builds everything.
 set -euo pipefail
 
 venv=$(cd "$1" && pwd); shift
@@ -23,12 +23,12 @@ if ! colcon --log-base "$venv/colcon/log" build --base-paths "$@" --build-base "
   exit 1
 fi
 
-# Our Python packages run from their sources: an edit counts at once, and kernels are cached beside them.
+# The Python packages run from their sources: edits take effect at once, and kernels are cached beside the sources.
 for package in "$source_dir"/drone_*/setup.py; do dirname "$package"; done \
   > "$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/drone_sim_workspace.pth"
 
-# The commands `topic` and `drone_engine`, which work in an environment that is not activated, too.
-for command in topic drone_engine; do
-  printf '#!/bin/sh\nPYTHONPATH="%s" exec "%s" -P -m %s "$@"\n' "${source_dir%/src}" "$python" "$command" \
-    > "$venv/bin/$command" && chmod +x "$venv/bin/$command"
+# The commands `topic` and `drone_engine`; they work without activating the environment as well.
+for module in drone_sim.topic drone_engine; do
+  command=$venv/bin/${module##*.}
+  printf '#!/bin/sh\nexec "%s" -P -m %s "$@"\n' "$python" "$module" > "$command" && chmod +x "$command"
 done

@@ -17,7 +17,9 @@ from typing import Any
 from options import parse
 from supervisor import Program, Supervisor
 
-DDS_PROFILE = "FASTRTPS_DEFAULT_PROFILES_FILE"  # the person's own, if set, is left to all nodes
+from drone_sim.node import DDS_PROFILE
+
+DDS_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"  # set by the user: all nodes use that profile
 FILM_PATIENCE = 600.0  # s; a film drops no picture, and drawing may be slower than the simulation was
 
 
@@ -49,7 +51,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
                           use_sim_time=None,
                           patience=FILM_PATIENCE if options.film else 0.0,
-                          environment={} if DDS_PROFILE in os.environ else {DDS_PROFILE: str(dds_profile)}))
+                          environment={} if DDS_VARIABLE in os.environ else {DDS_VARIABLE: str(dds_profile)}))
     if not options.no_teleop and sys.stdin.isatty():
         nodes.append(node("drone_teleop", "drone_teleop.teleop_node", terminal=True, camera=options.camera))
     if not options.no_ai:
@@ -63,7 +65,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
 def set_environment(options: argparse.Namespace) -> None:
     """What all nodes share; what the person has set already stays."""
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
-    os.environ.setdefault(DDS_PROFILE, str(Path(__file__).with_name("fastdds.xml")))
+    os.environ.setdefault(DDS_VARIABLE, str(DDS_PROFILE))
     os.environ["PYTHONUNBUFFERED"] = "1"
     for library in ("OPENBLAS", "OMP", "NUMBA"):  # a thread pool for each core in each node only costs start-up
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")

@@ -27,7 +27,7 @@ def test_style() -> None:
     run("ruff", "check", ".")
 
 
-@pytest.mark.parametrize("package", [*PACKAGES, "topic", "reference", "bench", "figures"])
+@pytest.mark.parametrize("package", [*PACKAGES, "reference", "bench", "figures"])
 def test_types(package: str) -> None:
     run("mypy", "-p", package)
 

@@ -7,14 +7,16 @@ import os
 import sys
 from collections.abc import Generator, Iterator
 from itertools import cycle
-from pathlib import Path
 
 import domain_coordinator
 import pytest
 
+from drone_sim.node import DDS_PROFILE
+
 os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
-os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(__file__).parents[2] / "ros2_ws/fastdds.xml"))
+os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(DDS_PROFILE))
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
 
 from .live import Graph, NodeProcess, Spawn
 

@@ -1,21 +1,16 @@
-"""The command `topic`, as one types it."""
+"""The command `topic`."""
 
-import os
 import signal
 import sys
-from pathlib import Path
 
 from geometry_msgs.msg import PoseStamped, Twist
 
 from .live import Graph, NodeProcess, Spawn
 
-WORKSPACE = Path(__file__).parents[2] / "ros2_ws"
-
 
 def topic(spawn: Spawn, *arguments: str) -> NodeProcess:
-    paths = f"{WORKSPACE}:{os.environ.get('PYTHONPATH', '')}"
-    process = spawn.command("topic", [sys.executable, "-P", "-m", "topic", *arguments], PYTHONPATH=paths)
-    process.ended_by_test = True  # a command ends when it is done, with the status that the test asks for
+    process = spawn.command("topic", [sys.executable, "-P", "-m", "drone_sim.topic", *arguments])
+    process.ended_by_test = True  # a command ends by itself, with a status that the test checks
     return process
 
 
@@ -37,7 +32,7 @@ def test_list_echo_info_and_hz(graph: Graph, spawn: Spawn) -> None:
     assert echo.output().startswith("header:\n") and echo.output().endswith("---\n")
     assert "    z: 2.5\n" in echo.output()
     assert field.output() == "2.5\n---\n2.5\n---\n"
-    assert unknown.output().splitlines() == ["topic: no topic /user_drone/pos; there are /user_drone/pose"]
+    assert unknown.output().splitlines() == ["topic: no topic /user_drone/pos; similar: /user_drone/pose"]
     assert unknown.wait() == 1
     assert "Publishers: 1" in info.output()
 
@@ -56,9 +51,9 @@ def test_pub(graph: Graph, spawn: Spawn) -> None:
 
 def test_pub_names_what_is_wrong(spawn: Spawn) -> None:
     for text, complaint in {
-        "{linear: {w: 1}}": "linear.w: there is no field 'w'; there are x, y, z",
-        "{linear: {x: fast}}": "linear.x: double is needed, not 'fast'",
-        "[1, 2]": "the message: fields are needed (linear, angular), not [1, 2]",
+        "{linear: {w: 1}}": "linear.w: expected one of x, y, z, got 'w'",
+        "{linear: {x: fast}}": "linear.x: expected double, got 'fast'",
+        "[1, 2]": "message: expected fields (linear, angular), got [1, 2]",
     }.items():
         process = topic(spawn, "pub", "cmd_vel", "geometry_msgs/msg/Twist", text)
         assert process.wait() == 1

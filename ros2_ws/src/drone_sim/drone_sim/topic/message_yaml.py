@@ -1,4 +1,4 @@
-"""Messages to YAML and back, checked against the message type."""
+"""Converts messages to YAML and back, checked against their types."""
 
 import array
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ import yaml
 
 from drone_sim.wire.message_types import full_name, message_class
 
-LONG = 128  # items of an array or characters of a string, beyond which they are shortened
+LONG = 128  # items of an array or characters of a string; longer ones are shortened
 
 RANGES = {"octet": (0, 255)}
 for _bits in (8, 16, 32, 64):
@@ -18,11 +18,11 @@ for _bits in (8, 16, 32, 64):
 
 
 class FieldError(ValueError):
-    """What a message has no place for, in one line."""
+    """A field that a message does not have, or a value of another type, in one line."""
 
 
 def as_data(value: Any, full: bool = False) -> Any:
-    """A message, or a field of one, as what YAML knows: dictionaries, lists, numbers and strings."""
+    """Converts a message or a field into dictionaries, lists, numbers and strings. full: do not shorten long ones."""
     if hasattr(value, "get_fields_and_field_types"):
         return {name: as_data(getattr(value, name), full) for name in _fields(value)}
     if isinstance(value, str):
@@ -37,7 +37,7 @@ def as_data(value: Any, full: bool = False) -> Any:
 
 
 def dump(data: Any) -> str:
-    """YAML as `ros2 topic echo` prints it, fields in the order of the definition."""
+    """The YAML text as `ros2 topic echo` prints it, fields in the order of the definition."""
     if not isinstance(data, dict | list):
         return f"{data}\n"
     text: str = yaml.dump(data, Dumper=yaml.CSafeDumper, sort_keys=False, allow_unicode=True, width=1000)
@@ -45,7 +45,10 @@ def dump(data: Any) -> str:
 
 
 def pick(message: Any, path: str) -> Any:
-    """The field at a path such as 'pose.position' or 'transforms[0].header'. Raises FieldError."""
+    """The field at a path such as 'pose.position' or 'transforms[0].header', None beyond the end of a list.
+
+    Raises FieldError.
+    """
     value = message
     for part in path.replace("[", ".").replace("]", "").split("."):
         if part.isdigit() and isinstance(value, Sequence | np.ndarray):
@@ -62,9 +65,9 @@ def pick(message: Any, path: str) -> Any:
 
 
 def fill(message: Any, values: Any, path: str = "") -> None:
-    """Sets the fields that `values` names; the others keep what they have. Raises FieldError."""
+    """Sets the fields named in `values`; the others keep their values. path: of `message`. Raises FieldError."""
     if not isinstance(values, dict):
-        raise FieldError(f"{path or 'the message'}: fields are needed ({', '.join(_fields(message))}), not {values!r}")
+        raise FieldError(f"{path or 'message'}: expected fields ({', '.join(_fields(message))}), got {values!r}")
     for name, value in values.items():
         here = f"{path}.{name}" if path else str(name)
         if name not in _fields(message):
@@ -78,29 +81,29 @@ def fill(message: Any, values: Any, path: str = "") -> None:
 
 
 def _converted(kind: str, current: Any, value: Any, path: str) -> Any:
-    """A value as the field asks for it: whole numbers may stand for floats, lists for arrays and messages."""
+    """Converts a value to the type of a field: integers to floats, lists to arrays and messages. Raises FieldError."""
     if isinstance(current, np.ndarray | array.array | list):
         if not isinstance(value, list):
-            raise FieldError(f"{path}: a list is needed ({kind}), not {value!r}")
+            raise FieldError(f"{path}: expected a list ({kind}), got {value!r}")
         item = kind.removeprefix("sequence<").split("[")[0].split(",")[0].rstrip(">").strip()
         if "/" in item:
             return [_message(item, each, f"{path}[{index}]") for index, each in enumerate(value)]
         items = [_scalar(item, each, f"{path}[{index}]") for index, each in enumerate(value)]
         if isinstance(current, np.ndarray) and len(items) != len(current):
-            raise FieldError(f"{path}: {len(current)} items are needed ({kind}), not {len(items)}")
+            raise FieldError(f"{path}: expected {len(current)} items ({kind}), got {len(items)}")
         return np.array(items, dtype=current.dtype) if isinstance(current, np.ndarray) else items
     return _scalar(kind, value, path)
 
 
 def _scalar(kind: str, value: Any, path: str) -> Any:
-    """A single value. The generated classes do not check what they are given, and crash on publishing."""
+    """Checks a single value: the generated message classes do not, and crash on publishing. Raises FieldError."""
     if kind in RANGES and type(value) is int and RANGES[kind][0] <= value <= RANGES[kind][1]:
         return bytes([value]) if kind == "octet" else value
     if kind in ("float", "double") and type(value) in (int, float):
         return float(value)
     if (kind == "boolean" and type(value) is bool) or (kind.startswith(("string", "wstring")) and type(value) is str):
         return value
-    raise FieldError(f"{path}: {kind} is needed, not {value!r}")
+    raise FieldError(f"{path}: expected {kind}, got {value!r}")
 
 
 def _message(kind: str, values: Any, path: str) -> Any:
@@ -115,5 +118,5 @@ def _fields(message: Any) -> dict[str, str]:
 
 
 def _no_field(path: str, name: str, message: Any) -> str:
-    known = ", ".join(_fields(message)) or "none, it is a value"
-    return f"{path}: there is no field '{name}'; there are {known}"
+    fields = ", ".join(_fields(message))
+    return f"{path}: expected {f'one of {fields}' if fields else 'no field, as it is a value'}, got '{name}'"

@@ -1,4 +1,4 @@
-"""What each subcommand does, given a node and the parsed arguments. All raise TopicError with one line."""
+"""The subcommands. Each takes a node and the parsed arguments, and raises TopicError for a mistake of the user."""
 
 import argparse
 import time
@@ -10,22 +10,21 @@ from typing import Any
 import rclpy
 import yaml
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from drone_sim.node.qos import strongest_common
+from drone_sim.topic.message_yaml import FieldError, as_data, dump, fill, pick
 from drone_sim.wire.message_types import UnknownTypeError, full_name, message_class
 
-from .message_yaml import FieldError, as_data, dump, fill, pick
-
-DISCOVERY = 5.0  # s that a topic has to come into view; publishers announce themselves every 3 s at least
-SETTLING = 1.0  # s without news, after which all is in view
+DISCOVERY = 5.0  # s within which a topic has to be discovered; publishers announce themselves at least every 3 s
+SETTLING = 1.0  # s without a new topic after which discovery counts as complete
 
 
 class TopicError(Exception):
-    """What is wrong with a command, in one line."""
+    """A mistake in a command, in one line."""
 
 
 def list_topics(node: Node, arguments: argparse.Namespace) -> None:
-    """Prints the names of all topics, when no new one has come up for a while."""
+    """Prints the names of all topics once discovery is complete."""
     _spin_until(node, _settled(node), DISCOVERY)
     for name, types in sorted(_topics(node).items()):
         print(f"{name} [{', '.join(types)}]" if arguments.types else name)
@@ -37,11 +36,11 @@ def info(node: Node, arguments: argparse.Namespace) -> None:
     print(f"Type: {_type(node, topic)}")
     _spin_until(node, lambda: bool(node.get_publishers_info_by_topic(topic)), DISCOVERY)
     _spin_until(node, lambda: False, SETTLING)
-    for what, endpoints in (
+    for title, endpoints in (
         ("Publishers", node.get_publishers_info_by_topic(topic)),
         ("Subscribers", node.get_subscriptions_info_by_topic(topic)),
     ):
-        print(f"{what}: {len(endpoints)}")
+        print(f"{title}: {len(endpoints)}")
         for endpoint in endpoints:
             qos = endpoint.qos_profile
             name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
@@ -64,17 +63,18 @@ def echo(node: Node, arguments: argparse.Namespace) -> None:
         print(dump(as_data(value, full=arguments.full)) + "---", flush=True)
         printed += 1
 
-    node.create_subscription(kind, topic, show, _offered_qos(node, topic))
+    node.create_subscription(kind, topic, show, strongest_common(node.get_publishers_info_by_topic(topic)))
     _spin_until(node, lambda: bool(arguments.count) and printed == arguments.count)
 
 
 def hz(node: Node, arguments: argparse.Namespace) -> None:
-    """Prints once a second how often messages arrive. They are not deserialized, so large ones cost no time."""
+    """Prints the rate of a topic once a second. Messages are not deserialized, so that large ones cost no time."""
     topic = node.resolve_topic_name(arguments.topic)
     kind = _class(_type(node, topic))
     arrivals: deque[float] = deque(maxlen=arguments.window + 1)
     node.create_subscription(
-        kind, topic, lambda _: arrivals.append(time.monotonic()), _offered_qos(node, topic), raw=True
+        kind, topic, lambda _: arrivals.append(time.monotonic()),
+        strongest_common(node.get_publishers_info_by_topic(topic)), raw=True,
     )
     while True:
         before = arrivals[-1] if arrivals else 0.0
@@ -89,22 +89,22 @@ def hz(node: Node, arguments: argparse.Namespace) -> None:
 
 
 def pub(node: Node, arguments: argparse.Namespace) -> None:
-    """Publishes the message that the YAML describes."""
+    """Publishes a message given as YAML, once or at a rate in Hz."""
     kind = _class(arguments.type)
     try:
         values = yaml.safe_load(arguments.message)
     except yaml.YAMLError as error:
-        raise TopicError(f"the message is no YAML: {getattr(error, 'problem', None) or error}") from None
+        raise TopicError(f"message: expected YAML: {getattr(error, 'problem', None) or error}") from None
     message = kind()
     _checked(lambda: fill(message, {} if values is None else values))
     publisher = node.create_publisher(kind, arguments.topic, 10)
     if arguments.once:
         if not _spin_until(node, lambda: publisher.get_subscription_count() > 0, DISCOVERY):
-            raise TopicError(f"nobody listens to {publisher.topic_name}")
+            raise TopicError(f"{publisher.topic_name}: expected a subscriber within {DISCOVERY:g} s, got none")
         publisher.publish(message)
         publisher.wait_for_all_acked()
         return
-    print(f"publishes {publisher.topic_name} at {arguments.rate:g} Hz; Ctrl-C ends it", flush=True)
+    print(f"publishing {publisher.topic_name} at {arguments.rate:g} Hz; Ctrl-C to stop", flush=True)
     node.create_timer(1.0 / arguments.rate, lambda: publisher.publish(message))
     _spin_until(node, lambda: False)
 
@@ -114,14 +114,14 @@ def _topics(node: Node) -> dict[str, list[str]]:
 
 
 def _type(node: Node, topic: str) -> str:
-    """The type of a topic as the graph knows it."""
+    """The type of a topic in the graph."""
     _spin_until(node, lambda: topic in _topics(node), DISCOVERY)
     topics = _topics(node)
     if topic in topics:
         return topics[topic][0]
     similar = get_close_matches(topic, topics, cutoff=0.5) or [name for name in topics if topic.strip("/") in name]
-    hint = f"; there are {', '.join(similar[:5])}" if similar else "; `topic list` shows what there is"
-    raise TopicError(f"no topic {topic}{hint}")
+    hint = f"similar: {', '.join(similar[:5])}" if similar else "see `topic list`"
+    raise TopicError(f"no topic {topic}; {hint}")
 
 
 def _class(name: str) -> type[Any]:
@@ -138,20 +138,8 @@ def _checked(action: Callable[[], object]) -> None:
         raise TopicError(str(error)) from None
 
 
-def _offered_qos(node: Node, topic: str) -> QoSProfile:
-    """As much as all publishers offer that are in view, so that latched messages come too."""
-    offers = [endpoint.qos_profile for endpoint in node.get_publishers_info_by_topic(topic)]
-    reliable = offers and all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers)
-    kept = offers and all(offer.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers)
-    return QoSProfile(
-        depth=100,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
-    )
-
-
 def _settled(node: Node) -> Callable[[], bool]:
-    """A condition that holds once others' topics have come into view, and no new one for a while."""
+    """A condition that becomes true when other nodes' topics are known and no new one has appeared for SETTLING."""
     own = seen = _topics(node)
     since = time.monotonic()
 
@@ -166,7 +154,7 @@ def _settled(node: Node) -> Callable[[], bool]:
 
 
 def _spin_until(node: Node, condition: Callable[[], bool], timeout: float = float("inf")) -> bool:
-    """Lets callbacks run until the condition holds (True) or the time, in s, is over (False)."""
+    """Runs callbacks until the condition holds (returns True) or the timeout, in s, is over (returns False)."""
     deadline = time.monotonic() + timeout
     while not condition():
         left = deadline - time.monotonic()
