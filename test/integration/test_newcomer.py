@@ -1,4 +1,4 @@
-"""What the README promises: its node flies, and a plain `colcon build` builds every package."""
+"""The README holds: its examples run, and a plain `colcon build` builds every package."""
 
 import os
 import re
@@ -25,6 +25,7 @@ def test_the_node_of_the_readme_flies(graph: Graph, spawn: Spawn, tmp_path: Path
 
 
 def span(numbers: list[float]) -> float:
+    """Difference of the largest and the smallest number."""
     return max(numbers) - min(numbers) if numbers else 0.0
 
 
@@ -48,7 +49,15 @@ def test_plain_colcon_builds_every_package(tmp_path: Path) -> None:
     packages = {path.name for path in (tmp_path / "install").iterdir() if path.is_dir()}
     assert packages == {"drone_ai", "drone_engine", "drone_interfaces", "drone_render", "drone_sim", "drone_teleop"}
     assert (tmp_path / "install/drone_sim/lib/drone_sim/sim_node").is_file()
-    assert (tmp_path / "install/drone_engine/lib/python3*/site-packages/drone_engine/data/scenes/island.yaml").is_file()
+    scenes = (tmp_path / "install/drone_engine").glob("lib/python3*/site-packages/drone_engine/data/scenes/*.yaml")
+    assert {scene.name for scene in scenes} == {path.name for path in (ROOT / "assets/scenes").glob("*.yaml")}
+    assert list((tmp_path / "install/drone_sim").glob("lib/python3*/site-packages/drone_sim/node/fastdds.xml"))
     shaders = list((tmp_path / "install/drone_render").rglob("*.frag"))
     assert {shader.name for shader in shaders} == {
         path.name for path in (ROOT / "ros2_ws/src/drone_render/drone_render/shaders").glob("*.frag")}
+    for command in ("topic", "drone_engine"):
+        shell = f". {tmp_path / 'install/local_setup.sh'} && command -v {command} && {command} --help"
+        result = subprocess.run(["sh", "-c", shell], cwd=tmp_path / "install", env=environment | {"PYTHONPATH": ""},
+                                capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert result.stdout.startswith(str(tmp_path / "install"))

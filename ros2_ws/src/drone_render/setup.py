@@ -11,7 +11,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    zip_safe=True,
+    zip_safe=False,
     maintainer="The drone simulator developers",
     maintainer_email="drone-sim@example.org",
     description="The picture: draws the scene off-screen and publishes camera images.",

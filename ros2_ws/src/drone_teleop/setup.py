@@ -1,20 +1,29 @@
+"""Version, description and license are those of package.xml, which also names the ROS packages needed."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
 from setuptools import find_packages, setup
 
 package = "drone_teleop"
+manifest = ElementTree.parse(Path(__file__).resolve().with_name("package.xml"))
 
 setup(
     name=package,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
+    version=manifest.findtext("version"),
+    description=manifest.findtext("description"),
+    license=manifest.findtext("license"),
+    maintainer=manifest.findtext("maintainer"),
+    maintainer_email=manifest.find("maintainer").get("email"),
+    packages=find_packages(include=[package, f"{package}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    zip_safe=True,
-    maintainer="The drone simulator developers",
-    maintainer_email="drone-sim@example.org",
-    description="A person's hands: keys in the terminal become commands.",
-    license="Apache-2.0",
+    install_requires=[
+        "drone-sim",       # process, parameters and QoS of a node
+    ],
+    zip_safe=False,
     entry_points={
         "console_scripts": [
             "teleop_node = drone_teleop.teleop_node:main",
