@@ -124,7 +124,7 @@ def test_touching_on_the_edge_of_a_sector() -> None:
     """Boxes as long as a sector, half, a third, twice: their faces are where sectors begin, up to rounding."""
     for share in (0.5, 1 / 3, 1.0, 2.0, 1 - 2**-53, 1 + 2**-52):
         broad = Grid(np.full((10, 3), 0.4))
-        _, edges = broad.sectors(np.zeros((1, 3)), np.full((1, 3), 0.8))
+        _, edges = broad.occupied_cells(np.zeros((1, 3)), np.full((1, 3), 0.8))
         faces = np.arange(-40, 41) * (edges[0] * share)
         low = np.zeros((80, 3))
         low[:, 0] = faces[:-1]
@@ -195,18 +195,18 @@ def test_sectors_follow_when_a_wild_start_calms_down(monkeypatch: pytest.MonkeyP
 def test_static_bodies_are_binned_once_and_again_when_one_moved(monkeypatch: pytest.MonkeyPatch) -> None:
     low, high = random_boxes(11, 400, (0.1, 3.0))
     fixed = np.random.default_rng(11).random(400) < 0.8
-    broad, binned, fill = Grid(high / 2 - low / 2), [], grid.fill
-    monkeypatch.setattr(grid, "fill", lambda *arguments: binned.append(arguments) or fill(*arguments))
+    broad, filled, fill_table = Grid(high / 2 - low / 2), [], grid.fill_table
+    monkeypatch.setattr(grid, "fill_table", lambda *arguments: filled.append(arguments) or fill_table(*arguments))
     for step in range(5):
         shift = np.where(fixed, 0.0, 0.1 * step)[:, None]
         assert check(low + shift, high + shift, ~fixed, broad) > 100
-    assert len(binned) == 1
+    assert len(filled) == 1
     one = np.flatnonzero(fixed)[7]
     low[one] -= 1.0
     check(low, high, ~fixed, broad)
     fixed[one] = False
     check(low, high, ~fixed, broad)
-    assert len(binned) == 3
+    assert len(filled) == 3
 
 
 def test_a_full_buffer_cuts_nothing_short() -> None:

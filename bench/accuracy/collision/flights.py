@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.collision.broad_phase.grid import Grid, bounds
+from drone_engine.collision.broad_phase.grid import Grid, set_all_bounds
 from drone_engine.collision.placement import set_all_axes
 from drone_engine.scene.schema import Collision, load
 from drone_engine.state import State
@@ -118,8 +118,8 @@ class Flight:
     def _record(self) -> None:
         bodies, state = self.world.model.bodies, self.world.state
         set_all_axes(state.orientation_w, self._axes)
-        bounds(state.position_w, self._axes, bodies.half, self._radius, state.velocity_w, 0.0, NEAR, self._low,
-               self._high)
+        set_all_bounds(state.position_w, self._axes, bodies.half, self._radius, state.velocity_w, 0.0, NEAR, self._low,
+                       self._high)
         poses = self.world.object_poses()
         drone = bodies.names.index(DRONE)
         for pair in zip(*self._grid.pairs(self._low, self._high, bodies.solid, bodies.movable), strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box.contacts import find_boxes, find_others, scratch
 from drone_engine.collision.broad_phase import grid
-from drone_engine.collision.broad_phase.grid import bound, bounds, crowd, find_pairs
+from drone_engine.collision.broad_phase.grid import find_pairs, retune_threshold, set_all_bounds, set_bounds
 from drone_engine.collision.continuous.impacts import Impacts
 from drone_engine.collision.continuous.sweep import fast
 from drone_engine.collision.manifold import (
@@ -93,7 +93,8 @@ def broad_phase(awake, binned, solid, position, orientation, velocity, angular_v
         if solid[i]:
             ccd[i] = fast(i, velocity, angular_velocity, half, dt)
             any_ccd += ccd[i]
-            bound(i, position, axes, half, radius if ccd[i] else body_bounds.reach, velocity, dt, MARGIN, low, high)
+            set_bounds(i, position, axes, half, radius if ccd[i] else body_bounds.reach, velocity, dt, MARGIN, low,
+                       high)
             movers[moving] = i
             moving += 1
     if moving == 0:
@@ -114,7 +115,7 @@ def broad_phase(awake, binned, solid, position, orientation, velocity, angular_v
     for k in range(found):
         counts.fine[0] += pairs.level[k] >= OCTREE
     counts.pairs[0], counts.swept[0] = found, swept if any_ccd else 0
-    return REGRID if tests > crowd(moving, found) else 0
+    return REGRID if tests > retune_threshold(moving, found) else 0
 
 
 @kernel
@@ -161,7 +162,7 @@ class Detection:
         self.axes: Floats = np.empty((n, 3, 3))
         self.manifolds = Manifolds(64)
         self._grid = grid.Grid(bodies.half[bodies.solid])
-        self._grid.room(n)
+        self._grid.reserve(n)
         self._low, self._high = np.empty((2, n, 3))
         self._bounding_radius: Floats = np.linalg.norm(bodies.half, axis=1)
         self._planes: Integers = np.array([plane.body for plane in model.planes], np.int64)
@@ -255,10 +256,10 @@ class Detection:
             self.on_waking()
             self._bin_resting()
         elif code == REGRID:
-            self._grid.think_over(low, high, movers)
+            self._grid.retune(low, high, movers)
             again = None
         else:
-            self._grid.renew(code, needed, low, high, movers)
+            self._grid.prepare_retry(code, needed, low, high, movers)
             self._make_room(len(self._grid.ordered[0]))
         self.bind()
         return again
@@ -267,12 +268,13 @@ class Detection:
         """Puts the bodies that are not awake into the grid."""
         bodies, s = self._model.bodies, self._state
         set_all_axes(s.orientation_w, self.axes)
-        bounds(s.position_w, self.axes, bodies.half, self._reach, s.velocity_w, self._dt, MARGIN, self._low, self._high)
+        set_all_bounds(s.position_w, self.axes, bodies.half, self._reach, s.velocity_w, self._dt, MARGIN, self._low,
+                       self._high)
         self.ccd[:] = False
         self.sleeping[:] = bodies.movable & ~self._state.is_awake
         self._low[self._planes], self._high[self._planes] = -np.inf, np.inf
         self._high[self._planes, 2] = self._top[self._planes]
-        self._grid.settle(self._low, self._high, np.flatnonzero(bodies.solid & ~self._state.is_awake))
+        self._grid.store_static(self._low, self._high, np.flatnonzero(bodies.solid & ~self._state.is_awake))
         self.binned[:] = s.awake
 
     def prepare(self) -> None:
@@ -384,7 +386,7 @@ class Detection:
     def sectors(self) -> tuple[Floats, Floats]:
         """Lowest corners (k, 3) and edges (k,) in m of the sectors that bodies stand in which can move, each once."""
         moving = self._model.bodies.movable & self._model.bodies.solid
-        return self._grid.sectors(self._low[moving], self._high[moving])
+        return self._grid.occupied_cells(self._low[moving], self._high[moving])
 
 
 def _only(which: Integers | np.ndarray, pairs: Pairs) -> Pairs:

@@ -1,1 +1,1 @@
-"""Candidate pairs: a uniform grid."""
+"""Broad phase: hierarchical uniform grids find the pairs of bodies whose bounds overlap."""
