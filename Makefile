@@ -10,30 +10,30 @@ INTERFACES := ros2_ws/src/drone_interfaces \
 SOURCES    := $(shell find $(INTERFACES:%=%/) -type f -not -name '*.py' -not -name '*.pyc')
 RUN        := $(VENV)/bin/python
 
-# A sourced ROS would bring a second copy of the libraries that the environment has.
+# A sourced ROS would add a second copy of the libraries in the environment.
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH
 
 .DEFAULT_GOAL := help
 .PHONY: help fly build test check wheel docs bench hard-cases assets figures accuracy lock clean
 
-help:  ## this list
+help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fly: build  ## fly the island; options: make fly ARGS="--help"
 	@$(RUN) ros2_ws/start.py $(ARGS)
 
-build: $(VENV)/built  ## the environment, the message packages and the assets
+build: $(VENV)/built  ## set up the environment and build the message packages
 
-test: build  ## style, types, architecture, unit and integration tests
+test: build  ## style, types, import rules, unit and integration tests
 	@$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
-assets: build  ## rebuild models and textures from their scripts, byte for byte
+assets: build  ## regenerate models and textures from their scripts, byte for byte
 	@cd assets && "$(CURDIR)/$(RUN)" -m make
 
-check: build  ## style, types and architecture only
+check: build  ## style, types and import rules only
 	@$(RUN) -m pytest test/test_repository.py
 
-wheel: $(VENV)/pins  ## wheels and source archives of the libraries, in dist/
+wheel: $(VENV)/pins  ## build wheels and source archives of the libraries in dist/
 	@rm -rf dist
 	@for library in $(LIBRARIES); do \
 	  rm -rf $$library/build $$library/*.egg-info; \
@@ -44,16 +44,16 @@ wheel: $(VENV)/pins  ## wheels and source archives of the libraries, in dist/
 	done
 	@ls dist
 
-docs: $(VENV)/docs  ## the documentation site, in site/; open site/index.html
+docs: $(VENV)/docs  ## build the documentation site; open site/index.html
 	@PATH="$(abspath $(VENV))/bin:$$PATH" NO_MKDOCS_2_WARNING=1 $(VENV)/bin/mkdocs build --quiet --strict
 
-bench: $(VENV)/peers  ## collisions, motion, pictures and the whole graph beside others; make bench ARGS="--quick"
+bench: $(VENV)/peers  ## compare speed with other libraries; make bench ARGS="--quick"
 	@$(RUN) -m bench.collision $(ARGS)
 	@$(RUN) -m bench.dynamics $(ARGS)
 	@$(RUN) -m bench.render $(ARGS)
 	@$(RUN) -m bench.graph $(ARGS)
 
-hard-cases: $(VENV)/peers  ## millions of hard pairs, hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
+hard-cases: $(VENV)/peers  ## test millions of hard pairs and hours of motion (ten minutes); make hard-cases ARGS="--count 1000"
 	@$(RUN) -m bench.hard_cases $(ARGS); reached=$$?; $(RUN) -m figures.hard_cases.motion; exit $$reached
 
 figures: build  ## redraw the pictures and films of the documentation
@@ -65,7 +65,7 @@ figures: build  ## redraw the pictures and films of the documentation
 	@$(RUN) -m figures.effects
 	@$(RUN) -m figures.flight_models
 
-accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plots, in five minutes
+accuracy: $(VENV)/peers  ## measure the cost of accuracy: tables, numbers and plots (five minutes)
 	@$(RUN) -m bench.accuracy.collision
 	@$(RUN) -m figures.accuracy.collision
 	@$(RUN) -m bench.accuracy.motion
@@ -74,7 +74,7 @@ accuracy: $(VENV)/peers  ## measure what accuracy costs: tables, numbers and plo
 lock: $(VENV)/peers $(VENV)/docs  ## rewrite requirements/lock.txt from this environment
 	@$(RUN) requirements/lock.py
 
-clean:  ## remove the environment and everything that was built
+clean:  ## remove the environment and all build outputs
 	rm -rf $(VENV) ros2_ws/build ros2_ws/install ros2_ws/log dist site
 
 $(VENV)/pins: $(PINS) requirements/system.sh
@@ -86,13 +86,13 @@ $(VENV)/pins: $(PINS) requirements/system.sh
 	@touch $@
 
 $(VENV)/peers: $(VENV)/built requirements/bench.txt
-	@echo "installing what the benchmarks compare with ..."
+	@echo "installing the libraries that benchmarks compare with ..."
 	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
 	    --requirement requirements/bench.txt
 	@touch $@
 
 $(VENV)/docs: $(VENV)/pins requirements/docs.txt
-	@echo "installing what builds the documentation ..."
+	@echo "installing the documentation tools ..."
 	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt \
 	    --requirement requirements/docs.txt
 	@touch $@

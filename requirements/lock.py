@@ -1,15 +1,15 @@
-"""Writes lock.txt: the version of every installed package, the message packages built here excepted."""
+"""Writes lock.txt: the version of every installed package, except the message packages built in this repository."""
 
 import subprocess
 import sys
 from importlib.metadata import distribution
 from pathlib import Path
 
-HEADER = "# Every package that the other lists bring with them, so that two machines get the same.\n"
+HEADER = "# Versions of all dependencies of the other lists, so that every machine gets the same.\n"
 
 
 def came_from_an_index(name: str) -> bool:
-    """False for what the build put into the environment, and for modules that a wheel carries inside it."""
+    """Whether a package was installed from an index: not built here, and not vendored in another wheel."""
     return (distribution(name).read_text("RECORD") or "").find("WHEEL") >= 0
 
 

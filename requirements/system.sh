@@ -1,5 +1,6 @@
 #!/bin/sh
-# Checks for what pip cannot bring: system.sh PYTHON. Installs it where it may (root and apt), else says what to type.
+# Checks for the system packages that pip cannot install: system.sh PYTHON. Installs them if run as root with apt, or else
+# prints the command that does.
 set -u
 python=$1
 missing=
@@ -22,7 +23,7 @@ if command -v "$python" > /dev/null 2>&1; then
   has_library libEGL.so.1 || missing="$missing libegl1"
   has_library libGL.so.1 || missing="$missing libgl1"
 fi
-# A GL driver: Mesa's software rasteriser, unless a vendor's is there already.
+# A GL driver: Mesa's software rasterizer, unless a vendor's driver is installed.
 [ -n "$(ls /usr/share/glvnd/egl_vendor.d /etc/glvnd/egl_vendor.d 2> /dev/null | grep json)" ] \
   || missing="$missing libegl-mesa0 libgl1-mesa-dri"
 
