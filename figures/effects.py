@@ -11,12 +11,12 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
+from drone_engine import load
 from drone_engine.arrays import Floats
 from drone_engine.effects import downwash, gusts, wind
 from drone_engine.effects.ground_effect import CLOSEST, gain
 from drone_engine.effects.noise import streams
 from drone_engine.flight.quadrotor import SPEED
-from drone_engine.scene.schema import load
 from drone_engine.world import World
 from figures import DOCS, style
 from figures.style import GRAY, GRID

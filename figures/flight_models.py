@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from drone_engine import load
 from drone_engine.arrays import Floats
 from drone_engine.flight.quadrotor import SPEED
 from drone_engine.math.poses import rotate_all
-from drone_engine.scene.schema import load
 from drone_engine.world import World
 from figures import DOCS, style
 from figures.style import tidy

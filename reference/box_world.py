@@ -8,9 +8,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from drone_engine import Scene, parse
 from drone_engine.arrays import Floats
 from drone_engine.math.poses import inverse, rotate_all
-from drone_engine.scene.schema import Dynamics, Scene, parse
+from drone_engine.scene.schema import Dynamics
 from drone_engine.world import World
 
 G = 9.80665  # m/s^2

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from drone_engine.scene.schema import Scene, load
+from drone_engine import Scene, load
 from drone_engine.world import World
 from reference.shapes import write_box
 

@@ -76,7 +76,7 @@ def parse() -> argparse.Namespace:
         parser.error(f"--domain: {options.domain} is not within 0 to 232")
     if options.namespace and not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", options.namespace, re.ASCII):
         parser.error(f"--namespace: '{options.namespace}' is not a name of letters, digits and _")
-    from drone_engine.scene.schema import SceneError, load  # here, because --help need not wait for it
+    from drone_engine import SceneError, load  # here, because --help need not wait for it
 
     try:
         scene = load(options.scene)

@@ -9,10 +9,9 @@ import numpy as np
 from bench.dynamics import flight_libraries, quadrotors
 from bench.report.clock import Times, side_by_side
 from bench.report.results import Row
-from drone_engine import effects
+from drone_engine import effects, load
 from drone_engine.arrays import Floats
 from drone_engine.fleet import Fleet
-from drone_engine.scene.schema import load
 from drone_engine.world import World
 
 COMMAND = (1.0, 0.0, 0.0, 0.2)  # m/s, rad/s

@@ -14,9 +14,9 @@ import numpy as np
 
 from bench.report.clock import Times, side_by_side
 from bench.report.results import Row, report
+from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.fleet import Fleet
-from drone_engine.scene.schema import Scene, load
 from drone_engine.world import World
 
 RATE = 240  # Hz

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from bench.report.results import Row
-from drone_engine.scene import schema as scenes
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
+from drone_engine.scene import loading as scenes
 from drone_engine.world import World
 from drone_render import context
 from drone_render.image import Picture

@@ -11,9 +11,9 @@ from rich.progress import track
 from scipy.interpolate import CubicSpline
 
 from drone_ai.pilot import Observation, Pilot
+from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.math.poses import compose
-from drone_engine.scene.schema import Scene, load
 from drone_engine.world import Command, World
 from drone_render import context
 from drone_render.film import Film

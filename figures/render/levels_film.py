@@ -11,9 +11,10 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
+from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.math.poses import compose
-from drone_engine.scene.schema import Collision, Scene, load
+from drone_engine.scene.schema import Collision
 from drone_engine.world import Command, World
 from drone_render import context
 from drone_render.film import Film

@@ -11,8 +11,9 @@ from typing import Any
 from matplotlib.font_manager import findfont
 from PIL import Image, ImageDraw, ImageFont, ImageOps
 
+from drone_engine import Scene, load
 from drone_engine.arrays import Floats
-from drone_engine.scene.schema import OwnCollision, Scene, load
+from drone_engine.scene.schema import ObjectCollision
 from drone_engine.world import World
 from drone_render import context
 from drone_render.image import Picture
@@ -142,7 +143,7 @@ def debug() -> Image.Image:
     }
     things = {}
     for name, (place, level) in places.items():
-        collision = OwnCollision.model_validate({"level": level})
+        collision = ObjectCollision.model_validate({"level": level})
         things[name] = base.objects[name].model_copy(update={"pose": place, "collision": collision})
     scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **things}})
     world = World(scene)

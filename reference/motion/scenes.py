@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drone_engine import load
 from drone_engine.arrays import Floats
-from drone_engine.scene.schema import load
 from drone_engine.world import Command, World
 from drone_sim.node.pacing import Pacer
 from reference.box_world import Box, Setting, with_dynamics, world_of

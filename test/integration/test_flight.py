@@ -15,7 +15,7 @@ from tf2_msgs.msg import TFMessage
 
 from drone_engine.collision.placement import set_all_axes
 from drone_engine.geometry.mesh import bounds
-from drone_engine.scene import schema as scenes
+from drone_engine.scene import loading as scenes
 
 from .live import Graph, Spawn
 

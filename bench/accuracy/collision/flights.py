@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from drone_engine import load
 from drone_engine.arrays import Floats
 from drone_engine.collision.broad_phase.grid import Grid, set_all_bounds
 from drone_engine.collision.placement import set_all_axes
-from drone_engine.scene.schema import Collision, load
+from drone_engine.scene.schema import Collision
 from drone_engine.state import State
 from drone_engine.world import World
 

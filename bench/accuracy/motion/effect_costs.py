@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from rich.progress import Progress
 
+from drone_engine import parse
 from drone_engine.effects import EFFECTS
-from drone_engine.scene.schema import parse
 from drone_engine.world import World
 from reference.box_world import Box, Setting, world_of
 

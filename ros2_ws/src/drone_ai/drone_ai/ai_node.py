@@ -13,8 +13,9 @@ from rclpy.node import Node
 from std_msgs.msg import Bool
 
 from drone_ai.pilot import Observation, Pilot
+from drone_engine import SceneError, load
 from drone_engine.math.quaternion import matrix
-from drone_engine.scene.schema import Flight, Patrol, SceneError, load
+from drone_engine.scene.schema import Flight, Patrol
 from drone_sim.node.parameters import Parameters
 from drone_sim.node.process import run
 from drone_sim.node.qos import LATCHED, NEWEST

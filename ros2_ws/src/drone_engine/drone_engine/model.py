@@ -18,7 +18,8 @@ from drone_engine.collision_level import LEVELS, OBB, TESTED, UNSET
 from drone_engine.geometry import mesh
 from drone_engine.geometry.mass_properties import moments
 from drone_engine.math.poses import poses_from_rpy, rotate_all
-from drone_engine.scene.schema import Flight, Object, Scene, SceneError
+from drone_engine.scene.errors import SceneError
+from drone_engine.scene.schema import Flight, Object, Scene
 
 GROUND_LEVELS = ("floor", "ground")  # collision levels of objects that support all bodies above them
 MIN_SIDE, MAX_SIDE = 1e-6, 1e6  # m; sides of a moving body's box, so that its inertia is neither 0 nor infinite

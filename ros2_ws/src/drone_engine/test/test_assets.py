@@ -10,12 +10,11 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from drone_engine import model
+from drone_engine import Scene, load, model
 from drone_engine.assets import ASSETS
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.geometry import mesh
 from drone_engine.model import GROUND_LEVELS
-from drone_engine.scene.schema import Scene, load
 
 SCENES = sorted(path.stem for path in (ASSETS / "scenes").glob("*.yaml"))
 SCRIPTS = Path(__file__).parents[4] / "assets"

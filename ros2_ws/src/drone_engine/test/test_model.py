@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drone_engine import model
+from drone_engine import Scene, SceneError, model
 from drone_engine.geometry.mass_properties import moments
-from drone_engine.scene.schema import Scene, SceneError
 
 
 def card(scene: Callable[..., Scene], name: str, thickness: str, rest: str) -> Scene:

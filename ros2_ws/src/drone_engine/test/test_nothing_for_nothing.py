@@ -122,7 +122,7 @@ def test_a_reset_is_a_fresh_start_with_all_of_them(world: Make) -> None:
 
 def test_a_fresh_program_imports_no_effect_that_the_scene_does_not_name(world: Make) -> None:
     path = world(BUSY, named("drag")).scene.path
-    text = ("import sys; from drone_engine.scene.schema import load; from drone_engine.world import World\n"
+    text = ("import sys; from drone_engine.scene.loading import load; from drone_engine.world import World\n"
             f"World(load({str(path)!r}))\n"
             "print(*(name for name in sys.modules if name.startswith('drone_engine.effects.')))")
     result = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)

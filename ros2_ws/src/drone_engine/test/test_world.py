@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drone_engine.scene.schema import load
+from drone_engine import load
 from drone_engine.world import World
 
 Make = Callable[..., World]

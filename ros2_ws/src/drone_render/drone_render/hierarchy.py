@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
 from drone_render import daylight
 from drone_render.frame import Sun
 from drone_render.view import Array, camera_matrix, matrices, pose

@@ -24,7 +24,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from drone_engine.geometry import mesh
-from drone_engine.scene import schema as scenes
+from drone_engine.scene import loading as scenes
 from drone_render import context
 from drone_render.debug_view import DebugView
 from drone_render.diagnostics import diagnostics

@@ -7,8 +7,8 @@ from typing import Self
 import moderngl
 import numpy as np
 
+from drone_engine import Scene
 from drone_engine.geometry import mesh
-from drone_engine.scene.schema import Scene
 from drone_render import daylight, view
 from drone_render.context import Device, packed, waiter
 from drone_render.edges import EdgePass

@@ -7,8 +7,8 @@ from pathlib import Path
 from PIL import Image
 from pydantic import ValidationError
 
-from drone_engine.scene import schema as scenes
-from drone_engine.scene.fields import first_error
+from drone_engine.scene import loading as scenes
+from drone_engine.scene.errors import first_error
 from drone_engine.scene.picture import Camera
 from drone_render import context
 from drone_render.image import Picture

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
 from drone_render import context
 from drone_render.image import Picture
 from drone_render.lines import Lines

@@ -19,9 +19,8 @@ from simulation_interfaces.srv import GetSimulationState, LoadWorld, ResetSimula
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from drone_engine import kernel_cache
+from drone_engine import SceneError, kernel_cache, load
 from drone_engine.geometry.mesh import MeshError
-from drone_engine.scene.schema import SceneError, load
 from drone_engine.world import World
 from drone_sim.node.pacing import Pacer, Share
 from drone_sim.node.parameters import Parameters

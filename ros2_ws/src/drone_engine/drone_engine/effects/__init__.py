@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Protocol, cast
 from pydantic import ValidationError
 
 from drone_engine.extension import ExtensionError, find, member
-from drone_engine.scene.fields import Strict, first_error
-from drone_engine.scene.schema import Scene, SceneError
+from drone_engine.scene.errors import SceneError, first_error
+from drone_engine.scene.fields import Strict
+from drone_engine.scene.schema import Scene
 
 if TYPE_CHECKING:
     from drone_engine.context import Context, Stages
@@ -60,7 +61,7 @@ def effect(name: str, scene: Scene | None = None) -> Effect:
     if name in EFFECTS or scene is None:
         return cast(Effect, import_module(EFFECTS[name]))
     try:
-        module = find("effects", name, scene.path.parent, tuple(EFFECTS))
+        module = find("effects", name, scene.folder, tuple(EFFECTS))
         for key in ("Parameters", "build"):
             member(module, name, key)
     except ExtensionError as error:

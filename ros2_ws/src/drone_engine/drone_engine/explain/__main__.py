@@ -11,7 +11,9 @@ from rich.table import Table
 from drone_engine.explain.costs import Costs, measure
 from drone_engine.explain.features import Feature, features, few
 from drone_engine.geometry.mesh import MeshError
-from drone_engine.scene.schema import Scene, SceneError, load
+from drone_engine.scene.errors import SceneError
+from drone_engine.scene.loading import load
+from drone_engine.scene.schema import Scene
 from drone_engine.world import World
 
 BAR = 15  # characters of a whole step

@@ -18,7 +18,7 @@ from drone_engine.flight.craft import ROTOR_DRAG, craft, hovering, numbers
 from drone_engine.kernel import kernel
 from drone_engine.model import Model
 from drone_engine.scene.airframe import Airframe, Arm
-from drone_engine.scene.schema import SceneError
+from drone_engine.scene.errors import SceneError
 
 # Of k quadrotors, in the state's memory: rad/s, (k, 4); and the velocity that is expected (NaN: none), m/s, and what
 # pushes the drone, m/s^2, in the world, (k, 6).

@@ -1,1 +1,1 @@
-"""Scene files: schema, validation, loading."""
+"""Scenes: the schema of scene files, validation, and loading from YAML or from Python data."""

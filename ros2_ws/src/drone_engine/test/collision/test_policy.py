@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drone_engine import SceneError, parse
 from drone_engine.collision.policy import look_up
 from drone_engine.geometry.mesh import MeshError
-from drone_engine.scene.schema import SceneError, parse
 from drone_engine.world import World
 
 ON_A_WALL = """crate: {model: crate, pose: [0, 0.3, 4.001, 0, 0, 0.4], mass: 5}
@@ -122,7 +122,7 @@ def test_a_pair_of_unknown_objects_is_an_error(world: Callable[..., World]) -> N
 
 
 def test_a_pair_with_a_part_of_an_object_is_an_error(world: Callable[..., World]) -> None:
-    with pytest.raises(SceneError, match=r"collision.pairs.0.between: 'lid' is a part of another object; name that"):
+    with pytest.raises(SceneError, match=r"collision.pairs.0.between: 'lid' is part of another object; name that one"):
         world(ON_A_WALL + "lid: {model: crate, parent: crate}",
               said("obb", ", pairs: [{between: [wall, lid], level: none}]"))
 

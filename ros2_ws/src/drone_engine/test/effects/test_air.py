@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drone_engine import SceneError
 from drone_engine.effects import downwash, gusts, wind
 from drone_engine.effects.noise import bits, normals, streams, uniform
-from drone_engine.scene.schema import SceneError
 from drone_engine.world import World
 
 Make = Callable[..., World]

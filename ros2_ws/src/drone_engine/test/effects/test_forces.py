@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drone_engine import parse
 from drone_engine.collision.terrain.height_field import NOTHING
 from drone_engine.effects import ground_effect, water
 from drone_engine.effects.disks import disks
 from drone_engine.effects.submerged import ROWS, submerged
 from drone_engine.math.rotation import matrix
-from drone_engine.scene.schema import parse
 from drone_engine.world import World
 from reference.shapes import write_box
 

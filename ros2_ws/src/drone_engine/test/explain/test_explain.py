@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from drone_engine import effects
+from drone_engine import Scene, effects
 from drone_engine.explain.__main__ import explain, main
 from drone_engine.explain.costs import compiled, measure
 from drone_engine.explain.features import features
 from drone_engine.program.profile import Laps, reading, times
 from drone_engine.program.program import Program
 from drone_engine.program.stage import in_python
-from drone_engine.scene.schema import Scene
 from drone_engine.world import World
 from drone_sim import __main__ as command
 

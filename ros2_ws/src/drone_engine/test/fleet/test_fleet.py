@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drone_engine import Scene
 from drone_engine.fleet import Fleet
-from drone_engine.scene.schema import Scene
 from drone_engine.world import World
 
 Load = Callable[..., Scene]

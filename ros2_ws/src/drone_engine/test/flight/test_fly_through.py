@@ -3,8 +3,9 @@
 
 import pytest
 
+from drone_engine import load
 from drone_engine.assets import ASSETS
-from drone_engine.scene.schema import Collision, load
+from drone_engine.scene.schema import Collision
 from drone_engine.world import World
 
 SCENE = ASSETS / "scenes" / "ring.yaml"

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_engine import effects
+from drone_engine import Scene, SceneError, effects
 from drone_engine.flight.control import lift, mix, rotor_drag
 from drone_engine.flight.craft import Craft, numbers
 from drone_engine.flight.quadrotor import row_of
 from drone_engine.kernel import kernel
-from drone_engine.scene.schema import Flight, Scene, SceneError
+from drone_engine.scene.schema import Flight
 from drone_engine.world import World
 
 G = 9.80665

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drone_engine import Scene, SceneError, load, parse
 from drone_engine.collision.terrain import height_field as terrain
 from drone_engine.effects import ground_effect
 from drone_engine.geometry import mesh
 from drone_engine.math.poses import rotate_all
-from drone_engine.scene.schema import Scene, SceneError, load, parse
 from drone_engine.world import World
 
 PLACES = {
@@ -296,9 +296,9 @@ def test_rotors_gain_over_the_ground_below_them() -> None:
 
 def test_what_is_no_ground_is_refused(folder: Path, world: Callable[..., World]) -> None:
     hill(folder)
-    with pytest.raises(SceneError, match=r"other.collision.level: 'hill' is the scene's 'ground' already"):
+    with pytest.raises(SceneError, match=r"other.collision.level: expected one 'ground' in a scene, and 'hill'"):
         world(HILL + "other: {model: hill, static: true, collision: {level: ground}}")
-    with pytest.raises(SceneError, match="a 'ground' does not move, so it has no 'mass'"):
+    with pytest.raises(SceneError, match="a 'ground' is static, so it must not have a 'mass'"):
         world("hill: {model: hill, mass: 1, collision: {level: ground}}")
     (folder / "models" / "ceiling.obj").write_text("v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 3 2\n")
     with pytest.raises(mesh.MeshError, match="is ground, but no triangle of it looks up"):
