@@ -4,7 +4,7 @@ import numba
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats
-from drone_engine.collision.box.sat import BLOCK, gaps
+from drone_engine.collision.box.sat import BLOCK, gaps_of_column
 
 ROWS = 27  # offset 0, half extents 3 and 6, axes 9 and 18
 
@@ -26,17 +26,7 @@ def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, ta
 @numba.njit(error_model="numpy")
 def _judge(table, verdict):
     for k in range(BLOCK):
-        gap = gaps(
-            table[k], table[BLOCK + k], table[2 * BLOCK + k],
-            table[3 * BLOCK + k], table[4 * BLOCK + k], table[5 * BLOCK + k],
-            table[6 * BLOCK + k], table[7 * BLOCK + k], table[8 * BLOCK + k],
-            table[9 * BLOCK + k], table[10 * BLOCK + k], table[11 * BLOCK + k],
-            table[12 * BLOCK + k], table[13 * BLOCK + k], table[14 * BLOCK + k],
-            table[15 * BLOCK + k], table[16 * BLOCK + k], table[17 * BLOCK + k],
-            table[18 * BLOCK + k], table[19 * BLOCK + k], table[20 * BLOCK + k],
-            table[21 * BLOCK + k], table[22 * BLOCK + k], table[23 * BLOCK + k],
-            table[24 * BLOCK + k], table[25 * BLOCK + k], table[26 * BLOCK + k],
-        )
+        gap = gaps_of_column(table, k)
         verdict[k] = max(gap[0], gap[1], gap[2], gap[3], gap[4], gap[5], gap[6], gap[7], gap[8], gap[9], gap[10],
                          gap[11], gap[12], gap[13], gap[14]) <= 0.0
 

@@ -45,7 +45,7 @@ def _digits(a, b):
 
 
 @kernel
-def add(acc, sign, a, b, c, d):
+def add_product(acc, sign, a, b, c, d):
     """Adds sign * a * b * c * d; sign is 1 or -1."""
     if a == 0.0 or b == 0.0 or c == 0.0 or d == 0.0:
         return
@@ -91,11 +91,11 @@ def sign(acc):
 
 
 @kernel
-def add_det(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
+def add_determinant(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
     """Adds sign * scale * det[u, v, w], rows."""
     u, v, w = (ux, uy, uz), (vx, vy, vz), (wx, wy, wz)
     for i in range(6):
-        add(acc, sign * ORDERS[i, 3], scale, u[ORDERS[i, 0]], v[ORDERS[i, 1]], w[ORDERS[i, 2]])
+        add_product(acc, sign * ORDERS[i, 3], scale, u[ORDERS[i, 0]], v[ORDERS[i, 1]], w[ORDERS[i, 2]])
 
 
 @kernel
@@ -104,7 +104,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     acc = zeros()
     x, y, z = (ax, bx, cx, dx), (ay, by, cy, dy), (az, bz, cz, dz)
     for i in range(24):
-        add(acc, MINORS[i, 3], 1.0, x[MINORS[i, 0]], y[MINORS[i, 1]], z[MINORS[i, 2]])
+        add_product(acc, MINORS[i, 3], 1.0, x[MINORS[i, 0]], y[MINORS[i, 1]], z[MINORS[i, 2]])
     return sign(acc)
 
 
@@ -115,5 +115,5 @@ def orient2d(ax, ay, bx, by, cx, cy):
     x, y = (ax, bx, cx), (ay, by, cy)
     for i in range(6):  # x[i] y[k] for i before k in a, b, c, a, and the opposite for i after k
         first, second = (i // 2, (i // 2 + 1) % 3) if i % 2 == 0 else ((i // 2 + 1) % 3, i // 2)
-        add(acc, 1 - 2 * (i % 2), x[first], y[second], 1.0, 1.0)
+        add_product(acc, 1 - 2 * (i % 2), x[first], y[second], 1.0, 1.0)
     return sign(acc)

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box.contacts import find_boxes, find_others, scratch
+from drone_engine.collision.box.box import Boxes, scratch
+from drone_engine.collision.box.contacts import find_box_contacts, find_sphere_and_plane_contacts
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.broad_phase.grid import find_pairs, retune_threshold, set_all_bounds, set_bounds
 from drone_engine.collision.continuous.impacts import Impacts
@@ -122,17 +123,15 @@ def broad_phase(awake, binned, solid, position, orientation, velocity, angular_v
 def primitive_contacts(counts, position, body_bounds, grid_tables, pairs, box_scratch, contacts):
     """Writes the manifolds of spheres, boxes and planes. Returns MORE_MANIFOLDS if there is no room, else 0."""
     count, c = counts.pairs[0], contacts
-    table, cut, of_a, of_b, number = box_scratch
     a, b = grid_tables.ordered[0], grid_tables.ordered[1]
+    boxes = Boxes(position, body_bounds.axes, body_bounds.half)
     if count > c.points.shape[0]:
         return MORE_MANIFOLDS
-    found = find_boxes(count, position, body_bounds.axes, body_bounds.half, a, b, pairs.floor_height, pairs.level,
-                       pairs.all_contacts, pairs.margin, table, cut, of_a, of_b, number, c.pair, c.points, c.normal,
-                       c.point, c.separation, c.feature, c.level, 0)
+    found = find_box_contacts(count, boxes, a, b, pairs.floor_height, pairs.level, pairs.all_contacts, pairs.margin,
+                              box_scratch, c, 0)
     c.end[BOXES] = found
-    found = find_others(count, position, body_bounds.axes, body_bounds.half, a, b, pairs.floor_height, pairs.level,
-                        pairs.all_contacts, pairs.margin, c.pair, c.points, c.normal, c.point, c.separation, c.feature,
-                        c.level, found)
+    found = find_sphere_and_plane_contacts(count, boxes, a, b, pairs.floor_height, pairs.level, pairs.all_contacts,
+                                           pairs.margin, c, found)
     c.end[OTHERS] = c.end[GROUND] = c.end[MESHES] = c.end[SWEPT] = found
     write_anchors(0, found, c.pair, c.points, c.point, position, c.anchor)
     return 0
@@ -364,12 +363,12 @@ class Detection:
     def _append_primitives(self, placed: PlacedBodies, pairs: Pairs) -> None:
         """Appends the contacts of placed spheres, boxes and floors."""
         m = self.manifolds.reserve(len(pairs[0]))
-        arrays = m.pair, m.points, m.normal_w, m.point_w, m.separation, m.feature, m.level
-        pairs = tuple(np.ascontiguousarray(array) for array in pairs)  # type: ignore[assignment]
-        a, b, *rest = pairs
-        finders: tuple[tuple[Any, tuple[Any, ...]], ...] = (find_boxes, self.box_scratch), (find_others, ())
-        for find, buffers in finders:
-            m.count = find(len(a), placed.position, placed.axes, placed.half, a, b, *rest, *buffers, *arrays, m.count)
+        boxes, arrays = Boxes(placed.position, placed.axes, placed.half), m.arrays
+        a, b, height, level, all_contacts, margin = (np.ascontiguousarray(array) for array in pairs)
+        m.count = find_box_contacts(len(a), boxes, a, b, height, level, all_contacts, margin, self.box_scratch, arrays,
+                                    m.count)
+        m.count = find_sphere_and_plane_contacts(len(a), boxes, a, b, height, level, all_contacts, margin, arrays,
+                                                 m.count)
 
     def _append_meshes(self, placed: PlacedBodies, pairs: Pairs) -> None:
         """Appends the contacts of placed meshes."""

@@ -1,1 +1,1 @@
-"""Oriented boxes, spheres and planes."""
+"""Oriented boxes, spheres and horizontal planes."""

@@ -1,26 +1,23 @@
-"""Narrow phase of a step for what is not a mesh: boxes, spheres and floors, pair by pair."""
+"""Contacts of the pairs of a step that need no mesh: boxes, spheres and planes.
+
+Kernels take pair_a, pair_b (k,), floor_height (k,) in m, NaN without a plane, collision level (k,), all_contacts (k,),
+0 for the deepest point alone, and margin (k,) in m of the pairs, and write rows of ContactArrays.
+"""
 
 import numpy as np
 
-from drone_engine.arrays import Floats, Integers
-from drone_engine.collision.box import box as obb
-from drone_engine.collision.box import plane as floor
-from drone_engine.collision.box import sphere
-from drone_engine.collision.box.clipping import CUT, cross_edges, cut_faces
-from drone_engine.collision.box.sat import BLOCK, TABLE, WIDEST, rank
+from drone_engine.collision.box import plane, sphere
+from drone_engine.collision.box.box import load_ordered
+from drone_engine.collision.box.clipping import write_edge_manifolds, write_face_manifolds
+from drone_engine.collision.box.sat import BLOCK, WIDEST, find_contact_axes
 from drone_engine.collision.box.sat import MARGIN as MARGINS
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel
 
 
-def scratch() -> tuple[Floats | Integers, ...]:
-    """What `find_boxes` works in."""
-    return (np.zeros(TABLE), np.empty(CUT), *np.empty((3, BLOCK), np.int64))
-
-
 @kernel
 def keep_deepest(point, separation, feature, count):
-    """Makes the deepest of the points the first."""
+    """Moves the deepest of the first `count` points to the first place; point (8, 3), separation (8,), feature (8,)."""
     best = 0
     for k in range(1, count):
         if separation[k] < separation[best]:
@@ -31,48 +28,11 @@ def keep_deepest(point, separation, feature, count):
 
 
 @kernel
-def find_boxes(count, position, axes, half, pair_a, pair_b, floor_height, level, everything, margins, table, cut, of_a,
-               of_b, number, pair, points, normal, point, separation, feature, met, found):
-    """Appends the manifolds of those of the first `count` pairs that are boxes at level OBB after the first `found`;
-    returns how many there are then. of_a, of_b, number: (BLOCK,) scratch. Pairs are ranked a block at a time."""
-    k = 0
-    while k < count:
-        size = 0
-        while k < count and size < BLOCK:
-            if level[k] == OBB and np.isnan(floor_height[k]):
-                of_a[size], of_b[size], number[size] = pair_a[k], pair_b[k], k
-                size += 1
-            k += 1
-        obb.enter(table, size, position, axes, half, of_a, position, axes, half, of_b)
-        rank(table, size)
-        first = found
-        for m in range(size):
-            table[MARGINS + m] = margins[number[m]]
-            near = table[WIDEST + m] <= table[MARGINS + m]
-            pair[found, 0], pair[found, 1], met[found] = of_a[m], of_b[m], OBB
-            of_a[m] = number[m]
-            number[m] = found if near else -1
-            found += near
-        cross_edges(table, size, number, points, normal, point, separation, feature)
-        cut_faces(table, size, number, points, normal, point, separation, feature, cut)
-        found = first
-        for m in range(size):  # some that are near have no point within the margin
-            i = number[m]
-            if i < 0 or points[i] == 0:
-                continue
-            if not everything[of_a[m]]:
-                keep_deepest(point[i], separation[i], feature[i], points[i])
-                points[i] = 1
-            if i != found:
-                move(i, found, pair, points, normal, point, separation, feature, met)
-            found += 1
-    return found
-
-
-@kernel
-def move(i, j, pair, points, normal, point, separation, feature, met):
-    """Moves manifold i to the place of manifold j."""
-    pair[j, 0], pair[j, 1], points[j], met[j] = pair[i, 0], pair[i, 1], points[i], met[i]
+def move_manifold(i, j, contacts):
+    """Copies manifold i of ContactArrays to row j."""
+    pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
+    separation, feature = contacts.separation, contacts.feature
+    pair[j, 0], pair[j, 1], points[j], contacts.level[j] = pair[i, 0], pair[i, 1], points[i], contacts.level[i]
     for c in range(3):
         normal[j, c] = normal[i, c]
     for k in range(points[i]):
@@ -82,30 +42,77 @@ def move(i, j, pair, points, normal, point, separation, feature, met):
 
 
 @kernel
-def find_others(count, position, axes, half, pair_a, pair_b, floor_height, level, everything, margins, pair, points,
-                normal, point, separation, feature, met, found):
-    """Appends the manifolds of those of the first `count` pairs that are spheres, or a floor and a sphere or box, after
-    the first `found`; returns how many there are then."""
+def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_contacts, margin, scratch, contacts,
+                      found):
+    """Appends the manifolds of those of the first `count` pairs that are two boxes at level OBB after the first `found`
+    rows; returns how many rows there are then. boxes: Boxes; scratch: BoxScratch. Handles BLOCK pairs at a time."""
+    table, cut, box_a, box_b, row = scratch
+    pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
+    separation, feature, contact_level = contacts.separation, contacts.feature, contacts.level
+    k = 0
+    while k < count:
+        size = 0
+        while k < count and size < BLOCK:
+            if level[k] == OBB and np.isnan(floor_height[k]):
+                box_a[size], box_b[size], row[size] = pair_a[k], pair_b[k], k
+                size += 1
+            k += 1
+        load_ordered(table, size, boxes, box_a, boxes, box_b)
+        find_contact_axes(table, size)
+        first = found
+        for m in range(size):
+            table[MARGINS + m] = margin[row[m]]
+            near = table[WIDEST + m] <= table[MARGINS + m]
+            pair[found, 0], pair[found, 1], contact_level[found] = box_a[m], box_b[m], OBB
+            box_a[m] = row[m]  # from here on the pair
+            row[m] = found if near else -1
+            found += near
+        write_edge_manifolds(table, size, row, points, normal, point, separation, feature)
+        write_face_manifolds(table, size, row, points, normal, point, separation, feature, cut)
+        found = first
+        for m in range(size):  # near pairs may have no point within the margin
+            i = row[m]
+            if i < 0 or points[i] == 0:
+                continue
+            if not all_contacts[box_a[m]]:
+                keep_deepest(point[i], separation[i], feature[i], points[i])
+                points[i] = 1
+            if i != found:
+                move_manifold(i, found, contacts)
+            found += 1
+    return found
+
+
+@kernel
+def find_sphere_and_plane_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_contacts, margin, contacts,
+                                   found):
+    """Appends the manifolds of those of the first `count` pairs that are two spheres, or a plane and a sphere or box,
+    after the first `found` rows; returns how many rows there are then.
+
+    boxes: Boxes; half extents are inf for planes. A sphere is the bounding sphere of a box.
+    """
+    position, axes, half = boxes
+    pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
+    separation, feature, contact_level = contacts.separation, contacts.feature, contacts.level
     for k in range(count):
-        on_floor = not np.isnan(floor_height[k])
-        if level[k] != SPHERE and not (level[k] == OBB and on_floor):
+        on_plane = not np.isnan(floor_height[k])
+        if level[k] != SPHERE and not (level[k] == OBB and on_plane):
             continue
         a, b = pair_a[k], pair_b[k]
-        margin = margins[k]
         n, p, s, f = normal[found], point[found], separation[found], feature[found]
-        if on_floor:
+        if on_plane:
             body, up = (b, 1.0) if half[a, 0] == np.inf else (a, -1.0)
             n[0], n[1], n[2] = 0.0, 0.0, up
             if level[k] == SPHERE:
-                points[found] = floor.contact_sphere(position, half, body, floor_height[k], margin, p, s, f)
+                points[found] = plane.contact_sphere(position, half, body, floor_height[k], margin[k], p, s, f)
             else:
-                points[found] = floor.contact(position, axes, half, body, floor_height[k], margin, p, s, f)
+                points[found] = plane.contact(position, axes, half, body, floor_height[k], margin[k], p, s, f)
         else:
-            points[found] = sphere.contact(position, half, a, b, margin, n, p, s, f)
+            points[found] = sphere.contact(position, half, a, b, margin[k], n, p, s, f)
         if points[found]:
-            if not everything[k]:
+            if not all_contacts[k]:
                 keep_deepest(p, s, f, points[found])
                 points[found] = 1
-            pair[found, 0], pair[found, 1], met[found] = a, b, level[k]
+            pair[found, 0], pair[found, 1], contact_level[found] = a, b, level[k]
             found += 1
     return found

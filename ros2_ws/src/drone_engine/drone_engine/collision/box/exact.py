@@ -1,28 +1,32 @@
-"""One pair of any boxes, exactly: what the block-wise test of the box level leaves open.
+"""Whether a pair of boxes touches, exactly, for any axes: decides the pairs that the test by blocks leaves undecided.
 
-For the vectors u, v of two of the six axes and the offset d of the centres, the plane that they span does not separate
-the boxes if |det(u, v, d)| <= sum of half_k |det(u, v, axis_k)|. This is decided with an error bound; where that leaves
-planes open, a point that is in both boxes is looked for; then exact arithmetic decides for the planes still open.
+For the vectors u, v of two of the six axes and the offset d of the centers, the plane that they span does not separate
+the boxes if |det(u, v, d)| <= sum of half_k |det(u, v, axis_k)|. First this is tested with an error bound. If planes
+remain undecided, a point that is inside both boxes is searched; failing that, exact arithmetic decides those planes.
+
+In the kernels below, `axis` (9, 3) holds the axes of a, of b and of the world, and `half` (9,) their half extents.
 """
 
 import math
 
 import numpy as np
 
-from drone_engine.collision import exact_arithmetic as exact
+from drone_engine.collision.exact_arithmetic import add_determinant, sign
 from drone_engine.kernel import kernel
 
 ROUNDING = 2.0**-48  # 32 roundings, twice what a gap takes
-TINY = 1e-290  # below this, rounding is no longer relative: all is left open
-STEPS = 4  # to and fro between two boxes, for a point of both
-PAIRS = np.array([(i, j) for j in range(9) for i in range(j)])  # of axes; the first 15 are of the six of the boxes
+TINY = 1e-290  # below this, rounding errors are not relative any more, and planes are left undecided
+PROJECTIONS = 4  # alternating projections onto the two boxes, in search of a point inside both
+PAIRS = np.array([(i, j) for j in range(9) for i in range(j)])  # of axes; the first 15 are of the boxes' six axes
 
 
 @kernel
 def touch(center_a, axes_a, half_a, center_b, axes_b, half_b, axis, half, total, probe):
-    """The exact answer for a pair of any boxes, 0 or 1, or -1 for numbers that no box has.
+    """Whether two boxes touch, exactly: 1 or 0, or -1 for numbers that are not finite and negative half extents.
 
-    Flat arrays of 3 and 9; after half_b scratch: (9, 3), (9,) and two accumulators."""
+    center (3,), axes (9,), one after the other, of any length and angle, half (3,). Scratch: axis (9, 3), half (9,),
+    and total and probe, two accumulators that hold 0.
+    """
     finite = True
     for i in range(3):
         half[i], half[3 + i], half[6 + i] = half_a[i], half_b[i], 0.0
@@ -43,7 +47,7 @@ def touch(center_a, axes_a, half_a, center_b, axes_b, half_b, axis, half, total,
     dx, dy, dz = center_b[0] - center_a[0], center_b[1] - center_a[1], center_b[2] - center_a[2]
     size += abs(dx) + abs(dy) + abs(dz)
     ordinary &= size < 1e280  # no product comes near the ends of the exponents
-    # Axes in one plane leave it open whether the boxes touch in it: with three more of no extent nothing is left open.
+    # Planes of axes that all lie in one plane do not decide whether boxes in it touch: the three axes of the world do.
     count = 15 if ordinary and (_is_solid(axis, 0) or _is_solid(axis, 3)) else 36
     undecided = 0  # a bit for each pair of axes
     for n in range(count):
@@ -63,14 +67,14 @@ def touch(center_a, axes_a, half_a, center_b, axes_b, half_b, axis, half, total,
     if undecided == 0 or (ordinary and _share_a_point(axis, half, dx, dy, dz, size)):
         return 1
     for n in range(count):
-        if undecided >> n & 1 and _apart(axis, half, center_a, center_b, PAIRS[n, 0], PAIRS[n, 1], total, probe):
+        if undecided >> n & 1 and _separates(axis, half, center_a, center_b, PAIRS[n, 0], PAIRS[n, 1], total, probe):
             return 0
     return 1
 
 
 @kernel
 def _cross(axis, i, j):
-    """The cross product of two axes, and what its rounding errors are relative to."""
+    """The cross product of axes i and j, and the magnitude that its rounding error is relative to."""
     x0, x1, x2, y0, y1, y2 = axis[i, 0], axis[i, 1], axis[i, 2], axis[j, 0], axis[j, 1], axis[j, 2]
     scale = (abs(x0) + abs(x1) + abs(x2)) * (abs(y0) + abs(y1) + abs(y2))
     return x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0, scale
@@ -78,7 +82,7 @@ def _cross(axis, i, j):
 
 @kernel
 def _is_solid(axis, first):
-    """Whether the three axes from the first on are independent beyond doubt."""
+    """Whether the three axes from `first` on are certainly linearly independent."""
     x, y, z, scale = _cross(axis, first, first + 1)
     u, v, w = axis[first + 2, 0], axis[first + 2, 1], axis[first + 2, 2]
     return abs(x * u + y * v + z * w) > ROUNDING * scale * (abs(u) + abs(v) + abs(w))
@@ -86,7 +90,10 @@ def _is_solid(axis, first):
 
 @kernel
 def _nearest(axis, half, first, x, y, z):
-    """A point of the box at the origin near (x, y, z): its coordinates along the axes, cut at the half extents."""
+    """A point near (x, y, z) in a box centered at the origin: its coordinates along the axes, clamped.
+
+    first: 0 for box a, 3 for b.
+    """
     px, py, pz = 0.0, 0.0, 0.0
     for i in range(first, first + 3):
         nx, ny, nz, _ = _cross(axis, first + (i + 1) % 3, first + (i + 2) % 3)
@@ -98,18 +105,21 @@ def _nearest(axis, half, first, x, y, z):
 
 @kernel
 def _share_a_point(axis, half, dx, dy, dz, size):
-    """Whether a point of one box, found by going to and fro between the two, is inside the other beyond doubt."""
+    """Whether a point of one box, found by alternating projections, is certainly inside the other.
+
+    (dx, dy, dz): from the center of a to that of b, m; size: what rounding errors are relative to, m.
+    """
     x, y, z = _nearest(axis, half, 3, -dx, -dy, -dz)
-    x, y, z = x + dx, y + dy, z + dz  # from a's centre: b's point next to it
-    u, v, w = _nearest(axis, half, 0, dx, dy, dz)  # a's point next to b's centre
-    for _ in range(STEPS):
+    x, y, z = x + dx, y + dy, z + dz  # the point of b next to the center of a, from there
+    u, v, w = _nearest(axis, half, 0, dx, dy, dz)  # the point of a next to the center of b
+    for _ in range(PROJECTIONS):
         x, y, z = _nearest(axis, half, 0, x, y, z)
         x, y, z = _nearest(axis, half, 3, x - dx, y - dy, z - dz)
         x, y, z = x + dx, y + dy, z + dz
         u, v, w = _nearest(axis, half, 3, u - dx, v - dy, w - dz)
         u, v, w = _nearest(axis, half, 0, u + dx, v + dy, w + dz)
     x, y, z = 0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)
-    # Of the thinner box, which may be a plate, the point is one by its coordinates; it has to be inside the other.
+    # The point is projected onto the thinner box, which may be flat; it has to be inside the other one.
     if min(half[0], half[1], half[2]) <= min(half[3], half[4], half[5]):
         x, y, z = _nearest(axis, half, 0, x, y, z)
         return _is_inside(axis, half, 3, x - dx, y - dy, z - dz, size)
@@ -119,7 +129,7 @@ def _share_a_point(axis, half, dx, dy, dz, size):
 
 @kernel
 def _is_inside(axis, half, first, x, y, z, size):
-    """Whether a point, known up to a few roundings of `size`, is inside the box at the origin beyond doubt."""
+    """Whether a point, known up to a few roundings of `size`, is certainly inside a box centered at the origin."""
     for i in range(first, first + 3):
         nx, ny, nz, scale = _cross(axis, first + (i + 1) % 3, first + (i + 2) % 3)
         room = half[i] * abs(nx * axis[i, 0] + ny * axis[i, 1] + nz * axis[i, 2]) - abs(nx * x + ny * y + nz * z)
@@ -129,20 +139,20 @@ def _is_inside(axis, half, first, x, y, z, size):
 
 
 @kernel
-def _apart(axis, half, center_a, center_b, i, j, total, probe):
+def _separates(axis, half, center_a, center_b, i, j, total, probe):
     """Whether the plane that axes i and j span separates the boxes, exactly."""
     ux, uy, uz, vx, vy, vz = axis[i, 0], axis[i, 1], axis[i, 2], axis[j, 0], axis[j, 1], axis[j, 2]
-    exact.add_det(probe, 1, 1.0, ux, uy, uz, vx, vy, vz, center_b[0], center_b[1], center_b[2])
-    exact.add_det(probe, -1, 1.0, ux, uy, uz, vx, vy, vz, center_a[0], center_a[1], center_a[2])
-    side = exact.sign(probe)
+    add_determinant(probe, 1, 1.0, ux, uy, uz, vx, vy, vz, center_b[0], center_b[1], center_b[2])
+    add_determinant(probe, -1, 1.0, ux, uy, uz, vx, vy, vz, center_a[0], center_a[1], center_a[2])
+    side = sign(probe)
     if side == 0:
         return False
-    exact.add_det(total, side, 1.0, ux, uy, uz, vx, vy, vz, center_b[0], center_b[1], center_b[2])
-    exact.add_det(total, -side, 1.0, ux, uy, uz, vx, vy, vz, center_a[0], center_a[1], center_a[2])
+    add_determinant(total, side, 1.0, ux, uy, uz, vx, vy, vz, center_b[0], center_b[1], center_b[2])
+    add_determinant(total, -side, 1.0, ux, uy, uz, vx, vy, vz, center_a[0], center_a[1], center_a[2])
     for k in range(6):
         if k != i and k != j and half[k] != 0.0:
-            exact.add_det(probe, 1, 1.0, ux, uy, uz, vx, vy, vz, axis[k, 0], axis[k, 1], axis[k, 2])
-            side = exact.sign(probe)
+            add_determinant(probe, 1, 1.0, ux, uy, uz, vx, vy, vz, axis[k, 0], axis[k, 1], axis[k, 2])
+            side = sign(probe)
             if side != 0:
-                exact.add_det(total, -side, half[k], ux, uy, uz, vx, vy, vz, axis[k, 0], axis[k, 1], axis[k, 2])
-    return exact.sign(total) > 0
+                add_determinant(total, -side, half[k], ux, uy, uz, vx, vy, vz, axis[k, 0], axis[k, 1], axis[k, 2])
+    return sign(total) > 0

@@ -1,13 +1,14 @@
-"""A horizontal floor: the contact of a box with everything below a height."""
+"""Contacts of boxes and spheres with the half-space below a horizontal plane."""
 
 from drone_engine.kernel import kernel
 
 
 @kernel
 def contact(position, axes, half, i, height, margin, point, separation, feature):
-    """The corners of box i at most `margin` m above the floor: writes them and returns how many, 0 to 8.
+    """Writes the corners of box i at most `margin` m above the plane; returns how many there are, 0 to 8.
 
-    point: (8, 3) in the world, midway between corner and floor; separation: (8,) m, negative below the floor.
+    position, half: (n, 3); axes: (n, 3, 3), one a row; height: of the plane, m. Out: point (8, 3) m in the world,
+    midway between corner and plane; separation (8,) m, negative below the plane; feature (8,), the corner.
     """
     found = 0
     for corner in range(8):
@@ -28,7 +29,8 @@ def contact(position, axes, half, i, height, margin, point, separation, feature)
 
 @kernel
 def contact_sphere(position, half, i, height, margin, point, separation, feature):
-    """The lowest point of the bounding sphere of box i, if it is at most `margin` m above the floor: 0 or 1."""
+    """Writes the lowest point of the bounding sphere of box i, if it is at most `margin` m above the plane; returns the
+    number of points, 0 or 1. Parameters as in `contact`."""
     radius = (half[i, 0] * half[i, 0] + half[i, 1] * half[i, 1] + half[i, 2] * half[i, 2]) ** 0.5
     s = position[i, 2] - radius - height
     if s > margin:

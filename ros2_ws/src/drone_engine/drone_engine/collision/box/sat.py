@@ -1,7 +1,7 @@
 """Separating axes of many pairs of boxes at once, in floating point.
 
-Pairs are columns of a table, so that the compiler takes eight of them in each step (structure of arrays). Of the 15
-axes (Gottschalk, Lin and Manocha 1996, OBBTree) six are normals of faces and nine are crossings of two edges.
+Pairs are columns of a table, so that the compiler handles eight of them in each instruction (structure of arrays). Of
+the 15 axes (Gottschalk, Lin and Manocha 1996, OBBTree) six are face normals and nine are cross products of two edges.
 """
 
 import math
@@ -10,27 +10,33 @@ import numpy as np
 
 from drone_engine.kernel import inlined, kernel
 
-BLOCK = 32  # pairs, a column each of a table that stays in the fastest cache
-# Rows of it: offset 0, half extents 3 and 6, axes 9 and 18; these; and the centre of the first box.
-TOLERANCES, AXIS, GAP, WIDEST, MARGIN, SWAPPED, PLACE = (row * BLOCK for row in range(27, 34))
+BLOCK = 32  # pairs, a column each of a table that fits into the fastest cache
+# A table is a flat array of 36 rows of BLOCK numbers. Rows: offset of the centers from 0, half extents of a and of b
+# from 3 and 6, axes of a and of b, component by component, from 9 and 18; these; and the center of the first box.
+TOLERANCES, AXIS, GAP, WIDEST, MARGIN, SWAPPED, CENTER_A = (row * BLOCK for row in range(27, 34))
 TABLE = 36 * BLOCK
 # Six squared singular values of two boxes' axes whose sum is at most 6 + SHAPE and whose product is at least
 # (1 - SHAPE)^2 are all near 1 (arithmetic against geometric mean): each within 2.5 sqrt(SHAPE). So the axes are within
 # 1.3 sqrt(SHAPE) of orthonormal ones, and no gap along the 15 axes is wrong by more than 5.3 times this, and rounding,
-# of the size of the pair (offset and half extents).
+# relative to the size of the pair (offset and half extents).
 SHAPE = 1e-13
 TOLERANCE = 2.0**-18
-TINY = 1e-290  # below this, rounding is no longer relative: all is left open
-FACE_PREFERENCE = 0.02  # of the smallest half extent: how much better an edge axis must be than a face's
-PARALLEL = 1e-6  # squared sine below which two edges span no axis of their own
-TIE = 1e-6  # of the square of a gap: edges that are as good
+TINY = 1e-290  # below this, rounding errors are not relative any more, and the answer is left undecided
+FACE_PREFERENCE = 0.02  # of the smallest half extent: how much better an edge axis must be than a face axis
+PARALLEL = 1e-6  # squared sine below which two edges have no axis of their own
+TIE = 1e-6  # of the square of a gap: edge axes within this are equally good
 FAR = 1e300  # m2
+APART, UNDECIDED, TOUCHING = range(3)  # verdicts
 
 
 @kernel
-def gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table):
-    """Writes the pairs from the first on into the columns of the table, and for each how far from 0 a gap has to be to
-    count. The arrays are flat; indices unsigned, so that none is looked up from the end."""
+def load_pairs(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table):
+    """Writes pairs `first` to `first + count` into the columns of the table, and for each the tolerance of its gaps:
+    infinite unless the axes may be orthonormal and the half extents are not negative.
+
+    The arrays of n pairs are flat: (3 n,) and, for axes, (9 n,). Indices are unsigned, which saves the test for
+    negative ones.
+    """
     for k in range(count):
         size, shape, negative = 0.0, 0.0, False
         for i in range(3):
@@ -47,15 +53,19 @@ def gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, tab
             table[(9 + i) * BLOCK + k] = a
             table[(18 + i) * BLOCK + k] = b
             shape += a * a + b * b
-        known = (shape <= 6.0 + 0.5 * SHAPE) & (not negative)
-        table[TOLERANCES + k] = size * TOLERANCE + TINY if known else np.inf
+        decidable = (shape <= 6.0 + 0.5 * SHAPE) & (not negative)
+        table[TOLERANCES + k] = size * TOLERANCE + TINY if decidable else np.inf
 
 
 @inlined
 def gaps(d0, d1, d2, h0, h1, h2, g0, g1, g2, a00, a01, a02, a10, a11, a12, a20, a21, a22,
           b00, b01, b02, b10, b11, b12, b20, b21, b22):
-    """How far apart two boxes are along each of the 15 axes (faces of a, of b, edges 3 i + j), times the axis's length,
-    and the nine cosines between theirs. d: offset of the centres; h, g: half extents; a, b: axes, orthonormal."""
+    """The gap between two boxes along each of the 15 axes, times the length of the axis, and the nine cosines between
+    the axes of a and those of b: 24 numbers. Gap axes: faces of a, faces of b, then edges 3 i + j.
+
+    d: offset of the centers, m; h, g: half extents of a and b, m; a, b: orthonormal axes, a_ic being component c of
+    axis i. It takes scalars alone, as a leaf of vectorized loops.
+    """
     t0, u0 = d0 * a00 + d1 * a01 + d2 * a02, d0 * b00 + d1 * b01 + d2 * b02
     t1, u1 = d0 * a10 + d1 * a11 + d2 * a12, d0 * b10 + d1 * b11 + d2 * b12
     t2, u2 = d0 * a20 + d1 * a21 + d2 * a22, d0 * b20 + d1 * b21 + d2 * b22
@@ -88,22 +98,30 @@ def gaps(d0, d1, d2, h0, h1, h2, g0, g1, g2, a00, a01, a02, a10, a11, a12, a20, 
     )
 
 
+@inlined
+def gaps_of_column(table, k):
+    """`gaps` of the pair in column k of the table."""
+    return gaps(
+        table[k], table[BLOCK + k], table[2 * BLOCK + k],
+        table[3 * BLOCK + k], table[4 * BLOCK + k], table[5 * BLOCK + k],
+        table[6 * BLOCK + k], table[7 * BLOCK + k], table[8 * BLOCK + k],
+        table[9 * BLOCK + k], table[10 * BLOCK + k], table[11 * BLOCK + k],
+        table[12 * BLOCK + k], table[13 * BLOCK + k], table[14 * BLOCK + k],
+        table[15 * BLOCK + k], table[16 * BLOCK + k], table[17 * BLOCK + k],
+        table[18 * BLOCK + k], table[19 * BLOCK + k], table[20 * BLOCK + k],
+        table[21 * BLOCK + k], table[22 * BLOCK + k], table[23 * BLOCK + k],
+        table[24 * BLOCK + k], table[25 * BLOCK + k], table[26 * BLOCK + k],
+    )
+
+
 @kernel
-def judge(table, verdict):
-    """Writes 0 for a pair that is apart, 2 for one that touches and 1 for one that is open. No branches: the compiler
-    decides eight pairs at once."""
+def classify(table, verdict):
+    """Writes APART, TOUCHING or UNDECIDED for each column to verdict (BLOCK,), uint8.
+
+    It has no branches, so that the compiler handles eight pairs at once.
+    """
     for k in range(BLOCK):
-        gap = gaps(
-            table[k], table[BLOCK + k], table[2 * BLOCK + k],
-            table[3 * BLOCK + k], table[4 * BLOCK + k], table[5 * BLOCK + k],
-            table[6 * BLOCK + k], table[7 * BLOCK + k], table[8 * BLOCK + k],
-            table[9 * BLOCK + k], table[10 * BLOCK + k], table[11 * BLOCK + k],
-            table[12 * BLOCK + k], table[13 * BLOCK + k], table[14 * BLOCK + k],
-            table[15 * BLOCK + k], table[16 * BLOCK + k], table[17 * BLOCK + k],
-            table[18 * BLOCK + k], table[19 * BLOCK + k], table[20 * BLOCK + k],
-            table[21 * BLOCK + k], table[22 * BLOCK + k], table[23 * BLOCK + k],
-            table[24 * BLOCK + k], table[25 * BLOCK + k], table[26 * BLOCK + k],
-        )
+        gap = gaps_of_column(table, k)
         most = max(gap[0], gap[1], gap[2], gap[3], gap[4], gap[5], gap[6], gap[7], gap[8], gap[9], gap[10], gap[11],
                    gap[12], gap[13], gap[14])
         r00, r01, r02, r10, r11, r12, r20, r21, r22 = gap[15:]
@@ -113,24 +131,15 @@ def judge(table, verdict):
 
 
 @kernel
-def rank(table, count):
-    """Writes for each column the axis along which the boxes overlap least, the gap along it and the widest of all, m.
+def find_contact_axes(table, count):
+    """Writes for each of the first `count` columns the axis of least overlap (AXIS), the gap along it (GAP) and the
+    widest gap of all 15 axes (WIDEST), m.
 
     Axes: 0 to 2 a face of the first box, 3 to 5 of the second, 6 + 3 i + j edges. Faces are preferred, those of the
-    first before the others', and of edges nearly as good the one that comes first: so the choice is a stable one.
+    first box before those of the second, and of edges that tie the first: so the choice is stable from step to step.
     """
     for k in range(count):
-        gap = gaps(
-            table[k], table[BLOCK + k], table[2 * BLOCK + k],
-            table[3 * BLOCK + k], table[4 * BLOCK + k], table[5 * BLOCK + k],
-            table[6 * BLOCK + k], table[7 * BLOCK + k], table[8 * BLOCK + k],
-            table[9 * BLOCK + k], table[10 * BLOCK + k], table[11 * BLOCK + k],
-            table[12 * BLOCK + k], table[13 * BLOCK + k], table[14 * BLOCK + k],
-            table[15 * BLOCK + k], table[16 * BLOCK + k], table[17 * BLOCK + k],
-            table[18 * BLOCK + k], table[19 * BLOCK + k], table[20 * BLOCK + k],
-            table[21 * BLOCK + k], table[22 * BLOCK + k], table[23 * BLOCK + k],
-            table[24 * BLOCK + k], table[25 * BLOCK + k], table[26 * BLOCK + k],
-        )
+        gap = gaps_of_column(table, k)
         h, g = min(table[3 * BLOCK + k], table[4 * BLOCK + k], table[5 * BLOCK + k]), min(
             table[6 * BLOCK + k], table[7 * BLOCK + k], table[8 * BLOCK + k])
         slack = FACE_PREFERENCE * min(h, g)
@@ -138,9 +147,11 @@ def rank(table, count):
         axis = 0.0 if gap[0] == best else 1.0 if gap[1] == best else 2.0
         if other > best + slack:
             best, axis = other, 3.0 if gap[3] == other else 4.0 if gap[4] == other else 5.0
-        e0, e1, e2 = _square(gap[6], gap[15]), _square(gap[7], gap[16]), _square(gap[8], gap[17])
-        e3, e4, e5 = _square(gap[9], gap[18]), _square(gap[10], gap[19]), _square(gap[11], gap[20])
-        e6, e7, e8 = _square(gap[12], gap[21]), _square(gap[13], gap[22]), _square(gap[14], gap[23])
+        e0, e1 = _signed_square(gap[6], gap[15]), _signed_square(gap[7], gap[16])
+        e2, e3 = _signed_square(gap[8], gap[17]), _signed_square(gap[9], gap[18])
+        e4, e5 = _signed_square(gap[10], gap[19]), _signed_square(gap[11], gap[20])
+        e6, e7 = _signed_square(gap[12], gap[21]), _signed_square(gap[13], gap[22])
+        e8 = _signed_square(gap[14], gap[23])
         most = max(e0, e1, e2, e3, e4, e5, e6, e7, e8)
         enough = most - TIE * abs(most)
         edge, square = (
@@ -156,7 +167,10 @@ def rank(table, count):
 
 
 @inlined
-def _square(gap, cosine):
-    """The square of the gap along a crossing of edges, with its sign: gap has the length of the cross product in it."""
+def _signed_square(gap, cosine):
+    """The square of the gap along the cross product of two edges, with the sign of the gap; -FAR for parallel edges.
+
+    gap: m times the length of the cross product; cosine: of the angle between the edges.
+    """
     square = 1.0 - cosine * cosine
     return gap * abs(gap) / square if square >= PARALLEL else -FAR

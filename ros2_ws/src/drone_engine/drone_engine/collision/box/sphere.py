@@ -1,4 +1,4 @@
-"""Spheres: whether two touch, exactly, and where. Closed balls: touching is a hit."""
+"""Pairs of spheres: whether they touch, exactly, and where. Spheres are solid and closed: touching is a hit."""
 
 import math
 
@@ -6,16 +6,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Booleans, Floats
-from drone_engine.collision import exact_arithmetic as exact
+from drone_engine.collision.exact_arithmetic import add_product, sign, zeros
 from drone_engine.kernel import kernel
 
 ROUNDING = 2.0**-49  # 16 roundings, twice those of the squares compared
-SMALL, LARGE = 1e-280, 1e300  # m2; beyond them rounding is no longer relative
+SMALL, LARGE = 1e-280, 1e300  # m2; beyond these, rounding errors are not relative any more
 
 
 @kernel
 def touch(ax, ay, az, ra, bx, by, bz, rb, acc):
-    """Whether two balls have a point in common: |b - a|^2 <= (ra + rb)^2, exactly. acc: an accumulator, scratch."""
+    """Whether two spheres with centers a, b and radii ra, rb touch: |b - a|^2 <= (ra + rb)^2, exactly.
+
+    acc: an accumulator that holds 0, as it does again afterwards.
+    """
     dx, dy, dz, reach = bx - ax, by - ay, bz - az, ra + rb
     square, limit = dx * dx + dy * dy + dz * dz, reach * reach
     total = square + limit
@@ -25,26 +28,26 @@ def touch(ax, ay, az, ra, bx, by, bz, rb, acc):
         if square - limit < -ROUNDING * total:
             return True
     for a, b in ((ax, bx), (ay, by), (az, bz)):
-        exact.add(acc, 1, a, a, 1.0, 1.0)
-        exact.add(acc, 1, b, b, 1.0, 1.0)
-        exact.add(acc, -1, a, b, 2.0, 1.0)
-    exact.add(acc, -1, ra, ra, 1.0, 1.0)
-    exact.add(acc, -1, rb, rb, 1.0, 1.0)
-    exact.add(acc, -1, ra, rb, 2.0, 1.0)
-    return exact.sign(acc) <= 0
+        add_product(acc, 1, a, a, 1.0, 1.0)
+        add_product(acc, 1, b, b, 1.0, 1.0)
+        add_product(acc, -1, a, b, 2.0, 1.0)
+    add_product(acc, -1, ra, ra, 1.0, 1.0)
+    add_product(acc, -1, rb, rb, 1.0, 1.0)
+    add_product(acc, -1, ra, rb, 2.0, 1.0)
+    return sign(acc) <= 0
 
 
 @kernel
 def between(ax, ay, az, ra, bx, by, bz, rb):
-    """Unit normal from ball a to b, the point midway between the surfaces, and the separation, m: seven numbers.
+    """Unit normal from sphere a to b, the point midway between the surfaces, and the separation, m: seven numbers.
 
-    Of one centre, the normal is z. Swapping a and b turns the normal otherwise, no more.
+    The normal of concentric spheres is z. Otherwise, swapping a and b reverses the normal and changes nothing else.
     """
     dx, dy, dz = bx - ax, by - ay, bz - az
     most = max(abs(dx), abs(dy), abs(dz))
     if most == 0.0:
         return 0.0, 0.0, 1.0, ax, ay, az + 0.5 * (ra - rb), -(ra + rb)
-    dx, dy, dz = dx / most, dy / most, dz / most  # so that no square is 0 or infinite
+    dx, dy, dz = dx / most, dy / most, dz / most  # so that no square underflows or overflows
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
     nx, ny, nz = dx / length, dy / length, dz / length
     half = 0.5 * (ra - rb)
@@ -54,7 +57,11 @@ def between(ax, ay, az, ra, bx, by, bz, rb):
 
 @kernel
 def contact(position, half, a, b, margin, normal, point, separation, feature):
-    """The contact of the bounding spheres of boxes a and b, up to `margin` m apart; returns its points, 0 or 1."""
+    """Writes the contact of the bounding spheres of boxes a and b, if they are at most `margin` m apart; returns its
+    number of points, 0 or 1.
+
+    position, half: (n, 3) centers and half extents; out: normal (3,), point (8, 3), separation (8,), feature (8,).
+    """
     ra = math.sqrt(half[a, 0] ** 2 + half[a, 1] ** 2 + half[a, 2] ** 2)
     rb = math.sqrt(half[b, 0] ** 2 + half[b, 1] ** 2 + half[b, 2] ** 2)
     nx, ny, nz, x, y, z, s = between(position[a, 0], position[a, 1], position[a, 2], ra,
@@ -68,19 +75,20 @@ def contact(position, half, a, b, margin, normal, point, separation, feature):
 
 
 @kernel
-def _exists(x, y, z, radius):
+def _is_valid(x, y, z, radius):
+    """Whether a center and a radius are finite, and the radius is not negative."""
     return math.isfinite(x) & math.isfinite(y) & math.isfinite(z) & (radius >= 0.0) & (radius < np.inf)
 
 
 @kernel
 def _intersects(center_a, radius_a, center_b, radius_b, hit):
-    """Writes the answers; returns the first pair with a number that no sphere has, or -1."""
-    acc = exact.zeros()
+    """Writes whether the spheres of each pair touch to hit (n,); returns the first invalid pair, or -1."""
+    acc = zeros()
     for k in range(len(hit)):
         ax, ay, az, bx, by, bz = (center_a[k, 0], center_a[k, 1], center_a[k, 2],
                                   center_b[k, 0], center_b[k, 1], center_b[k, 2])
         ra, rb = radius_a[k], radius_b[k]
-        if not _exists(ax, ay, az, ra) or not _exists(bx, by, bz, rb):
+        if not _is_valid(ax, ay, az, ra) or not _is_valid(bx, by, bz, rb):
             return k
         hit[k] = touch(ax, ay, az, ra, bx, by, bz, rb, acc)
     return -1
@@ -88,6 +96,7 @@ def _intersects(center_a, radius_a, center_b, radius_b, hit):
 
 @kernel
 def _contacts(center_a, radius_a, center_b, radius_b, normal, point, separation):
+    """Writes `between` of each of n pairs to normal (n, 3), point (n, 3) and separation (n,)."""
     for k in range(len(separation)):
         nx, ny, nz, x, y, z, s = between(center_a[k, 0], center_a[k, 1], center_a[k, 2], radius_a[k],
                                          center_b[k, 0], center_b[k, 1], center_b[k, 2], radius_b[k])
@@ -97,28 +106,31 @@ def _contacts(center_a, radius_a, center_b, radius_b, normal, point, separation)
 
 
 def intersects(center_a: ArrayLike, radius_a: ArrayLike, center_b: ArrayLike, radius_b: ArrayLike) -> Booleans:
-    """Whether spheres a and b of each pair touch: (n,). Shapes (n, 3) and (n,), float64, m. Exact for the numbers as
-    stored. ValueError for other shapes, numbers that are not finite and negative radii."""
-    return _answers(_pairs(center_a, radius_a, center_b, radius_b))
+    """Whether spheres a and b of each of n pairs touch: (n,). Centers (n, 3), radii (n,), float64, m.
+
+    The answer is exact for the numbers as stored. Raises ValueError for other shapes, for numbers that are not finite
+    and for negative radii.
+    """
+    return _touching(_checked_pairs(center_a, radius_a, center_b, radius_b))
 
 
 def contacts(center_a: ArrayLike, radius_a: ArrayLike, center_b: ArrayLike,
              radius_b: ArrayLike) -> tuple[Booleans, Floats, Floats, Floats]:
-    """Whether each pair touches (n,), exactly, and for all pairs, touching or not: unit normals from a to b (n, 3),
-    points midway between the surfaces (n, 3), separations (n,), m. Arguments and errors as for `intersects`."""
-    spheres = _pairs(center_a, radius_a, center_b, radius_b)
-    hit, n = _answers(spheres), len(spheres[0])
+    """Whether each of n pairs touches (n,), exactly, and for all pairs, touching or not: unit normals from a to b
+    (n, 3), points midway between the surfaces (n, 3), separations (n,), m. Arguments and errors as for `intersects`."""
+    spheres = _checked_pairs(center_a, radius_a, center_b, radius_b)
+    hit, n = _touching(spheres), len(spheres[0])
     normal, point, separation = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
     _contacts(*spheres, normal, point, separation)
     return hit, normal, point, separation
 
 
-Spheres = tuple[Floats, Floats, Floats, Floats]
+SpherePairs = tuple[Floats, Floats, Floats, Floats]
 NAMES = ("center_a", "radius_a", "center_b", "radius_b")
 
 
-def _pairs(*arrays: ArrayLike) -> Spheres:
-    """The arguments as contiguous float64 arrays of the right shapes."""
+def _checked_pairs(*arrays: ArrayLike) -> SpherePairs:
+    """The arguments as contiguous float64 arrays; raises ValueError for other shapes."""
     pairs = [np.ascontiguousarray(array, np.float64) for array in arrays]
     n = len(pairs[0]) if pairs[0].ndim else 0
     for name, array in zip(NAMES, pairs, strict=True):
@@ -128,7 +140,8 @@ def _pairs(*arrays: ArrayLike) -> Spheres:
     return pairs[0], pairs[1], pairs[2], pairs[3]
 
 
-def _answers(spheres: Spheres) -> Booleans:
+def _touching(spheres: SpherePairs) -> Booleans:
+    """Whether each pair touches (n,); raises ValueError for an invalid sphere."""
     hit = np.empty(len(spheres[0]), np.bool_)
     bad = _intersects(*spheres, hit)
     if bad >= 0:

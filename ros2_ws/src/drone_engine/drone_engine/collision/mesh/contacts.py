@@ -75,6 +75,7 @@ def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, tur
     box_ is room for manifolds, number `at` of which is free."""
     found = 0
     turn[0], turn[1] = axes[a], axes[b]
+    boxes = obb.Boxes(spot, turn, size)
     for k in range(near_count):
         for side in range(2):
             body, leaf = (a, near[k, 0]) if side == 0 else (b, near[k, 1])
@@ -84,8 +85,8 @@ def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, tur
             spot[side, 1] = (r[3] * x + r[4] * y + r[5] * z) + position[body, 1]
             spot[side, 2] = (r[6] * x + r[7] * y + r[8] * z) + position[body, 2]
             size[side, 0], size[side, 1], size[side, 2] = box[leaf, 3], box[leaf, 4], box[leaf, 5]
-        points = obb.contact(spot, turn, size, 0, spot, turn, size, 1, margin, at, box_points, box_normal, box_point,
-                             box_separation, box_feature, *scratch)
+        points = obb.contact(boxes, 0, boxes, 1, margin, at, box_points, box_normal, box_point, box_separation,
+                             box_feature, scratch)
         deepest = 0
         for i in range(1, points):
             if box_separation[at, i] < box_separation[at, deepest]:

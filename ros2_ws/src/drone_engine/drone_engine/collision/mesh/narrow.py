@@ -37,7 +37,7 @@ class Raw(NamedTuple):
     spot: Floats  # (2, 3)
     turn: Floats  # (2, 3, 3)
     size: Floats  # (2, 3)
-    work: tuple[Floats, Floats, Integers]  # of the box level
+    work: obb.BoxScratch
 
 
 def _raw(near: int, contacts: int) -> Raw:

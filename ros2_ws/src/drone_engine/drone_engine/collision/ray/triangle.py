@@ -85,9 +85,9 @@ def _side(corners, i, j, k, o, d, dz, value, bound):
     jx, jy, jz = corners[i, j, 0], corners[i, j, 1], corners[i, j, 2]
     kx, ky, kz = corners[i, k, 0], corners[i, k, 1], corners[i, k, 2]
     acc = exact.zeros()
-    exact.add_det(acc, 1, 1.0, d[0], d[1], d[2], jx, jy, jz, kx, ky, kz)
-    exact.add_det(acc, -1, 1.0, d[0], d[1], d[2], o[0], o[1], o[2], kx, ky, kz)
-    exact.add_det(acc, -1, 1.0, d[0], d[1], d[2], jx, jy, jz, o[0], o[1], o[2])
+    exact.add_determinant(acc, 1, 1.0, d[0], d[1], d[2], jx, jy, jz, kx, ky, kz)
+    exact.add_determinant(acc, -1, 1.0, d[0], d[1], d[2], o[0], o[1], o[2], kx, ky, kz)
+    exact.add_determinant(acc, -1, 1.0, d[0], d[1], d[2], jx, jy, jz, o[0], o[1], o[2])
     sign = exact.sign(acc) if dz > 0.0 else -exact.sign(acc)
     return value if sign * value > 0.0 else sign * TINY
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import plane as floor
+from drone_engine.collision.box import plane
 from drone_engine.collision.manifold import GROUND, MESHES, OTHERS, POINTS, SAME_SIDE, SWEPT, write_anchors
 from drone_engine.collision.mesh.reduction import pick
 from drone_engine.collision.terrain.contacts import meet_box, meet_corner, meet_mesh
@@ -112,9 +112,9 @@ def stand(counts, position, body_bounds, grid_tables, pairs, ground, contacts):
         if not np.isnan(height) and level[k] <= OBB:
             p, s, f = point[found], separation[found], feature[found]
             if level[k] == SPHERE:
-                points[found] = floor.contact_sphere(position, half, body, height, margin, p, s, f)
+                points[found] = plane.contact_sphere(position, half, body, height, margin, p, s, f)
             else:
-                points[found] = floor.contact(position, axes, half, body, height, margin, p, s, f)
+                points[found] = plane.contact(position, axes, half, body, height, margin, p, s, f)
             normal[found, 0], normal[found, 1], normal[found, 2] = 0.0, 0.0, 1.0
             found += points[found] > 0
         else:

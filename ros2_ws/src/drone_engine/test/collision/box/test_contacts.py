@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_engine.collision.box import box as obb
-from drone_engine.collision.box import plane as floor
-from drone_engine.collision.box import sat
+from drone_engine.collision.box import box, plane, sat
 from drone_engine.collision.placement import set_all_axes
 from drone_engine.world import World
 
@@ -24,8 +22,8 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
     set_all_axes(poses[:, 3:], axes)
     points, normal, point, separation = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 8, 3)), np.zeros((1, 8))
     feature = np.zeros((1, 8), np.int64)
-    boxes = poses[:, :3], axes, np.array([half_a, half_b], float)
-    count = obb.contact(*boxes, 0, *boxes, 1, margin, 0, points, normal, point, separation, feature, *obb.scratch())
+    boxes = box.Boxes(poses[:, :3], axes, np.array([half_a, half_b], float))
+    count = box.contact(boxes, 0, boxes, 1, margin, 0, points, normal, point, separation, feature, box.scratch())
     return count, normal[0], point[0, :count], separation[0, :count], feature[0, :count]
 
 
@@ -125,7 +123,7 @@ def test_a_box_on_the_floor_stands_on_its_lowest_corners() -> None:
     axes = np.empty((1, 3, 3))
     set_all_axes(pose(0, 0, 0)[None, 3:], axes)
     point, separation, feature = np.zeros((8, 3)), np.zeros(8), np.zeros(8, np.int64)
-    count = floor.contact(np.array([[1.0, 2.0, 0.49]]), axes, CUBE[None], 0, 0.0, 0.001, point, separation, feature)
+    count = plane.contact(np.array([[1.0, 2.0, 0.49]]), axes, CUBE[None], 0, 0.0, 0.001, point, separation, feature)
     assert count == 4
     np.testing.assert_allclose(separation[:4], -0.01, atol=1e-12)
     np.testing.assert_allclose(point[:4].mean(0), [1, 2, -0.005], atol=1e-12)
