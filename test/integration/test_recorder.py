@@ -88,5 +88,5 @@ def test_a_folder_that_exists_is_refused_in_one_line(spawn: Spawn, tmp_path: Pat
     recorder = spawn(RECORDER, path=tmp_path)
     assert recorder.wait() == 1
     assert recorder.output().splitlines() == [
-        f"drone_recorder: {tmp_path}: exists already, and no bag is ever overwritten"
+        f"drone_recorder: {tmp_path}: expected a new folder, got an existing one; bags are never overwritten"
     ]

@@ -1,1 +1,1 @@
-"""The world: scenes, collisions, dynamics, effects, and the node around them."""
+"""Nodes around the simulation engine: the simulation, the recorder, ROS messages as bytes, and the command `topic`."""

@@ -1,6 +1,6 @@
-"""Bags in rosbag2's format, written so that what is on disk survives the death of the writer.
+"""Bags in the format of rosbag2, written so that their files can be read back after the writer was killed.
 
-BagWriter copies serialized messages; `recover` makes a bag readable whose writer was killed.
+BagWriter writes serialized messages; `recover` completes a bag whose writer was killed.
 """
 
 from drone_sim.bag.recovery import recover

@@ -13,7 +13,7 @@ from drone_sim.bag import BagError, recover
 
 
 def info(path: Path) -> Table:
-    """The topics of a bag, their types and how many messages they have. Raises BagError."""
+    """A table of the topics of a bag, with types, counts and rates. Raises BagError."""
     try:
         with Reader(path) as bag:
             seconds = bag.duration / 1e9
@@ -32,18 +32,18 @@ def info(path: Path) -> Table:
 
 
 def main() -> int:
-    """Exit status 1 and one line if the bag cannot be read."""
-    parser = argparse.ArgumentParser(prog="python -m drone_sim.bag", description="Looks into recorded bags.")
+    """Runs one command; returns the exit status, 1 with one line if the bag cannot be read."""
+    parser = argparse.ArgumentParser(prog="python -m drone_sim.bag", description="Inspects and recovers bags.")
     commands = parser.add_subparsers(dest="command", required=True)
     for name, help_text in (
-        ("info", "topics, types, counts and duration"),
-        ("recover", "complete a bag whose recorder was killed, from the chunks that are whole"),
+        ("info", "show topics, types, counts and duration"),
+        ("recover", "complete a bag whose recorder was killed, from its intact chunks"),
     ):
         commands.add_parser(name, help=help_text, description=help_text).add_argument("path", type=Path, metavar="BAG")
     arguments = parser.parse_args()
     try:
         if arguments.command == "recover":
-            print(f"{arguments.path}: {'recovered' if recover(arguments.path) else 'is complete already'}")
+            print(f"{arguments.path}: {'recovered' if recover(arguments.path) else 'already complete'}")
         else:
             Console().print(info(arguments.path))
     except BagError as error:

@@ -1,4 +1,4 @@
-"""metadata.yaml, which stands beside the messages of a bag and says what there is."""
+"""metadata.yaml, which describes the messages of a bag."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +14,7 @@ FILE = "metadata.yaml"
 
 @dataclass
 class Summary:
-    """What a bag holds: its file, how many messages of which topic, and the first and the last time in ns."""
+    """Contents of a bag: its file, topics, number of messages of each, and the first and last time in ns."""
 
     storage: str
     file: str
@@ -25,7 +25,7 @@ class Summary:
     end: int = 0
 
     def count(self, index: int, time: int) -> None:
-        """Takes note of a message of the topic at that index."""
+        """Counts a message of the topic at an index, received at `time` in ns."""
         if not self.messages:
             self.start = self.end = time
         self.start = min(self.start, time)
@@ -66,18 +66,18 @@ class Summary:
         }
 
     def text(self) -> str:
-        """The information as YAML, as rosbag2 also keeps it inside the file of messages."""
+        """The information as YAML, which rosbag2 also stores inside the MCAP file."""
         return _dump(self.information())
 
     def save(self, folder: Path) -> None:
-        """Writes metadata.yaml; whoever reads at the same time sees the old one or the new one, whole."""
+        """Replaces metadata.yaml in one step: a concurrent reader sees either the old file or the new one."""
         new = folder / f"{FILE}.new"
         new.write_text(_dump({"rosbag2_bagfile_information": self.information()}))
         new.replace(folder / FILE)
 
 
 class _NoAliases(yaml.CSafeDumper):
-    """Times stand twice in the file, and not every reader of YAML knows anchors."""
+    """Writes repeated values in full: some YAML readers do not support anchors."""
 
     def ignore_aliases(self, data: Any) -> bool:
         return True

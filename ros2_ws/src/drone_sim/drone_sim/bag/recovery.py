@@ -1,4 +1,4 @@
-"""Makes a bag readable whose writer was killed."""
+"""Completes a bag whose writer was killed."""
 
 import os
 import shutil
@@ -24,17 +24,17 @@ from drone_sim.bag.writer import BagWriter, lock
 
 
 def recover(path: Path) -> bool:
-    """Completes the bag in a folder from what its file holds whole; False if nothing had to be done.
+    """Completes the bag in a folder from its intact records; returns False if the bag is already complete.
 
-    MCAP's readers need an index at the end of the file: the whole chunks are copied into a new file with one,
-    which then takes the old one's place; until then the old one stays as it is. SQLite mends its file by itself.
+    Readers of MCAP need an index at the end of the file: the intact chunks are copied into a new file with an index,
+    which then replaces the old one; until then the old file is not changed. SQLite repairs its file itself.
     Raises BagError.
     """
     if not path.is_dir():
-        raise BagError(f"{path}: no such folder")
+        raise BagError(f"{path}: expected a folder, found none")
     files = sorted([*path.glob("*.mcap"), *path.glob("*.db3")])
     if len(files) != 1:
-        raise BagError(f"{path}: a bag has one .mcap or .db3 file, and here are {len(files)}")
+        raise BagError(f"{path}: expected one .mcap or .db3 file, got {len(files)}")
     descriptor = lock(path)
     try:
         return _recover_mcap(path, files[0]) if files[0].suffix == ".mcap" else _recover_sqlite(path, files[0])
@@ -52,7 +52,7 @@ def _recover_mcap(path: Path, file: Path) -> bool:
     with BagWriter(scratch / path.name) as bag:
         schemas: dict[int, Schema] = {}
         names: dict[int, str] = {}
-        for record in _whole_records(file):
+        for record in _intact_records(file):
             if isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, Channel) and record.id not in names:
@@ -69,7 +69,7 @@ def _recover_mcap(path: Path, file: Path) -> bool:
 
 
 def _is_complete(path: Path, file: Path) -> bool:
-    """Whether the file has its index, and metadata.yaml counts the same messages."""
+    """Whether the file has its index and the number of messages that metadata.yaml states."""
     try:
         with file.open("rb") as stream:
             summary = make_reader(stream).get_summary()
@@ -79,7 +79,7 @@ def _is_complete(path: Path, file: Path) -> bool:
 
 
 def _stated_count(path: Path) -> int | None:
-    """How many messages metadata.yaml says there are."""
+    """The number of messages in metadata.yaml; None if it cannot be read."""
     try:
         count: int = yaml.safe_load((path / FILE).read_bytes())["rosbag2_bagfile_information"]["message_count"]
     except (OSError, yaml.YAMLError, TypeError, KeyError):
@@ -87,12 +87,12 @@ def _stated_count(path: Path) -> int | None:
     return count
 
 
-def _whole_records(file: Path) -> Iterator[McapRecord]:
-    """The records of an MCAP file, those inside its chunks included, up to where it breaks off."""
+def _intact_records(file: Path) -> Iterator[McapRecord]:
+    """The intact records of an MCAP file, those inside its chunks included."""
     with file.open("rb") as stream:
         try:
             yield from StreamReader(stream, validate_crcs=True).records
-        except (McapError, struct.error, UnicodeDecodeError):  # however a record that is cut short shows itself
+        except (McapError, struct.error, UnicodeDecodeError):  # a truncated record may raise any of these
             return
 
 
@@ -102,7 +102,7 @@ def _topic(channel: Channel, schema: Schema) -> Topic:
 
 
 def _recover_sqlite(path: Path, file: Path) -> bool:
-    with closing(sqlite3.connect(file)) as database:  # rolls back what was under way
+    with closing(sqlite3.connect(file)) as database:  # rolls an unfinished transaction back
         (messages,) = database.execute("SELECT count(*) FROM messages").fetchone()
         if messages == _stated_count(path):
             return False

@@ -1,4 +1,4 @@
-"""The two files that a bag's messages can be in, MCAP and SQLite, each through the library that knows the format."""
+"""The two file formats of a bag, MCAP and SQLite."""
 
 import sys
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ METADATA_VERSION = 9  # of rosbag2, that of Jazzy
 
 
 class BagError(Exception):
-    """What is wrong with a bag, in one line that begins with its path."""
+    """A bag that cannot be written or read, in one line that begins with its path."""
 
 
 @dataclass(frozen=True)
@@ -30,38 +30,38 @@ class Topic:
     qos: tuple[Qos, ...] = ()
 
     def qos_yaml(self) -> str:
-        """The offered QoS profiles as rosbag2 keeps them beside a topic."""
+        """The offered QoS profiles as YAML, as rosbag2 stores them with a topic."""
         return yaml.safe_dump(dump_qos_v9(list(self.qos)), sort_keys=False).strip()
 
 
 class Storage(Protocol):
-    """A file that messages go into. Numbers of topics count from 1; times are ns."""
+    """A file of messages. Topics are numbered from 1; times are in ns."""
 
     path: Path
 
     def add_topic(self, topic: Topic) -> int:
-        """Number of a new topic."""
+        """Adds a topic and returns its number."""
 
     def write(self, number: int, time: int, data: bytes) -> None:
-        """Takes a message; it is on disk after the next flush."""
+        """Adds a message of a topic, which the next flush writes."""
 
     def flush(self) -> None:
-        """Hands all that was taken to the operating system, in a form that can be read back."""
+        """Passes all messages so far to the operating system, in a form that can be read back."""
 
     def close(self, metadata: str) -> None:
-        """Flushes, and ends the file with what makes it readable at random."""
+        """Flushes, writes the index and closes the file. metadata: the text of metadata.yaml."""
 
     def abort(self) -> None:
-        """Lets go of the file as it is."""
+        """Closes the file as it is."""
 
 
 class McapStorage:
-    """One MCAP chunk a flush. Not compressed, as `ros2 bag record` does by default."""
+    """An MCAP file with one chunk per flush, not compressed, which is the default of `ros2 bag record`."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / f"{folder.name}.mcap"
         self._file = self.path.open("xb", buffering=0)
-        # The size of chunks is the caller's to choose, who flushes.
+        # The caller ends each chunk by `flush`.
         self._writer = Writer(self._file, chunk_size=sys.maxsize, compression=CompressionType.NONE)
         self._writer.start(profile="ros2", library="drone_sim")
         self._writer.flush()
@@ -93,11 +93,11 @@ class McapStorage:
 
 
 class SqliteStorage:
-    """One transaction a flush."""
+    """An SQLite file with one transaction per flush."""
 
     def __init__(self, folder: Path) -> None:
         self._storage = Sqlite3Writer(folder, CompressionMode.NONE)
-        # The death of this process loses nothing that was handed to the operating system; no need to wait for disks.
+        # What the operating system has received survives the death of this process; no need to wait for disks.
         self._storage.conn.execute("PRAGMA synchronous = OFF")
         self.path = self._storage.path
         self._connections: list[Connection] = []

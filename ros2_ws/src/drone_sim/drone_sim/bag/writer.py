@@ -15,17 +15,17 @@ CHUNK_SIZE = 256 * 1024  # bytes of messages, after which they go to disk
 
 
 class BagWriter:
-    """Copies serialized messages into a new bag, storage 'mcap' or 'sqlite3'.
+    """Writes serialized messages into a new bag; storage: 'mcap' or 'sqlite3'.
 
-    Call `flush` about once a second: after it, and after every 256 KiB, all that was written survives a kill -9.
-    Every method raises BagError if the disk does not take it; the bag is then closed as it is.
+    Call `flush` about once a second: after it, and after every 256 KiB, all messages so far survive a kill -9.
+    Every method raises BagError if writing to disk fails; the bag is then closed as it is.
     """
 
     def __init__(self, path: Path, storage: str = "mcap") -> None:
         if storage not in STORAGES:
-            raise BagError(f"{path}: no storage is called '{storage}'; there are {', '.join(STORAGES)}")
+            raise BagError(f"{path}: storage: expected one of {', '.join(STORAGES)}, got '{storage}'")
         if path.exists():
-            raise BagError(f"{path}: exists already, and no bag is ever overwritten")
+            raise BagError(f"{path}: expected a new folder, got an existing one; bags are never overwritten")
         self.path = path
         self._open = False
         with self._errors():
@@ -42,16 +42,16 @@ class BagWriter:
 
     @property
     def messages(self) -> int:
-        """How many messages there are, of all topics."""
+        """Number of messages of all topics."""
         return self._summary.messages
 
     @property
     def topics(self) -> int:
-        """How many topics there are."""
+        """Number of topics."""
         return len(self._numbers)
 
     def add_topic(self, topic: Topic) -> None:
-        """Makes a topic known, before its first message."""
+        """Adds a topic; required before its first message."""
         with self._errors():
             self._numbers[topic.name] = self._storage.add_topic(topic)
         self._summary.topics.append(topic)
@@ -59,7 +59,7 @@ class BagWriter:
         self._new_topics = True
 
     def write(self, topic: str, time: int, data: bytes) -> None:
-        """Adds a message in CDR, received at `time` in ns."""
+        """Adds a message in CDR of a topic, received at `time` in ns."""
         number = self._numbers[topic]
         with self._errors():
             self._storage.write(number, time, data)
@@ -70,7 +70,7 @@ class BagWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Ends the chunk: what was written so far can be read back whatever happens to this process."""
+        """Ends the chunk: all messages so far can be read back even if this process is killed."""
         with self._errors():
             self._storage.flush()
             if self._new_topics:
@@ -79,7 +79,7 @@ class BagWriter:
         self._new_topics = False
 
     def close(self) -> None:
-        """Ends the bag; a second time it does nothing."""
+        """Completes the bag; calling it again has no effect."""
         if self._open:
             with self._errors():
                 self._storage.close(self._summary.text())
@@ -95,7 +95,7 @@ class BagWriter:
 
     @contextmanager
     def _errors(self) -> Iterator[None]:
-        """Says what the disk refused in one line, and stops writing."""
+        """Turns errors of the disk into a BagError and closes the bag as it is."""
         try:
             yield
         except (OSError, sqlite3.Error) as error:
@@ -108,11 +108,11 @@ class BagWriter:
 
 
 def lock(path: Path) -> int:
-    """Claims a bag's folder; the returned descriptor, or the end of the process, frees it. Raises BagError."""
+    """Locks the folder of a bag until the returned descriptor is closed or the process ends. Raises BagError."""
     descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(descriptor)
-        raise BagError(f"{path}: is being written at this moment") from None
+        raise BagError(f"{path}: another process is writing this bag") from None
     return descriptor

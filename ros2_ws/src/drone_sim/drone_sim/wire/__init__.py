@@ -1,1 +1,1 @@
-"""ROS messages as bytes."""
+"""ROS messages: serialized from arrays for those of every step, ordinary objects for the rest."""

@@ -1,8 +1,8 @@
-"""Messages as serialized bytes, written from and read into NumPy arrays without a Python loop.
+"""Serialized messages, written from NumPy arrays and read into them without a Python loop.
 
-CDR as ROS 2 sends it (OMG DDSI-RTPS 2.3, 10; XCDR1, little endian): four bytes that name the encoding, then the
-fields one after the other, each aligned to its size counted from behind those four bytes. In a message whose
-strings and lengths are fixed all numbers keep their place, so its bytes are laid out once and then only filled.
+CDR as ROS 2 sends it (OMG DDSI-RTPS 2.3, section 10; XCDR1, little endian): four bytes for the encoding, then the
+fields in order, each aligned to its size, counted from the end of those four bytes. In a message with fixed strings
+and lengths every number has a fixed offset, so its bytes are laid out once and then only filled.
 """
 
 import struct
@@ -16,12 +16,15 @@ SECOND = 1_000_000_000  # ns
 
 
 class Layout:
-    """Lays out a message field by field, in the order of its definition; `message` then gives the bytes to fill."""
+    """Lays out a message field by field, in the order of its definition; `message` returns the bytes to fill.
+
+    Every method but `message` returns the layout itself, so that calls can be chained.
+    """
 
     def __init__(self) -> None:
         self._body = bytearray()
         self._stamps: list[int] = []
-        self._numbers: dict[str, tuple[str, list[range]]] = {}  # name: NumPy type, places of its rows
+        self._numbers: dict[str, tuple[str, list[range]]] = {}  # name: NumPy type, indices of the numbers in each row
 
     def _append(self, size: int, data: bytes) -> int:
         self._body += bytes(-len(self._body) % size)
@@ -29,29 +32,33 @@ class Layout:
         return len(self._body) - len(data)
 
     def string(self, text: str) -> Self:
+        """A string with this value."""
         data = text.encode() + b"\0"
         self.uint32(len(data))
         self._append(1, data)
         return self
 
     def uint8(self, value: int) -> Self:
+        """A uint8, bool or octet with this value."""
         self._append(1, struct.pack("<B", value))
         return self
 
     def uint32(self, value: int) -> Self:
+        """A uint32 with this value, or the length of a sequence."""
         self._append(4, struct.pack("<I", value))
         return self
 
     def uint64(self, value: int) -> Self:
+        """A uint64 with this value."""
         self._append(8, struct.pack("<Q", value))
         return self
 
     def float64(self, name: str, count: int) -> Self:
-        """`count` numbers to be filled in; the same name again adds a row to them. ROS aligns even for none."""
+        """`count` float64 to be filled in by `name`; using a name again adds a row. ROS aligns even if count is 0."""
         return self._floats(name, count, 8)
 
     def float32(self, name: str, count: int) -> Self:
-        """The same, of half the size."""
+        """`count` float32 to be filled in by `name`; using a name again adds a row."""
         return self._floats(name, count, 4)
 
     def _floats(self, name: str, count: int, size: int) -> Self:
@@ -61,24 +68,24 @@ class Layout:
         return self
 
     def stamp(self) -> Self:
-        """A builtin_interfaces/Time; all stamps of a message are the same."""
+        """A builtin_interfaces/Time; all stamps of a message get the same value."""
         self._stamps.append(self._append(4, bytes(8)) // 4)
         return self
 
     def header(self, frame: str) -> Self:
-        """A std_msgs/Header."""
+        """A std_msgs/Header with this frame."""
         return self.stamp().string(frame)
 
     def message(self) -> "Message":
-        """The finished message."""
+        """The message, with all numbers and stamps 0."""
         return Message(bytes(self._body), self._stamps, self._numbers)
 
 
 class Message:
-    """One message of fixed strings and lengths. Fill it with `stamp` and `write`, publish `bytes(message)`."""
+    """A message with fixed strings and lengths. Fill it with `stamp` and `write`, publish `bytes(message)`."""
 
     def __init__(self, body: bytes, stamps: list[int], numbers: dict[str, tuple[str, list[range]]]) -> None:
-        # Four unused bytes in front put the body, which follows the encoding, on an address that float64 may have.
+        # Four unused bytes in front align the body, which follows the encoding, for float64.
         self._buffer = np.zeros(8 + len(body) + -len(body) % 8, np.uint8)
         self._buffer[4:8] = np.frombuffer(ENCODING, np.uint8)
         self._buffer[8 : 8 + len(body)] = np.frombuffer(body, np.uint8)
@@ -89,21 +96,21 @@ class Message:
                          for name, (kind, rows) in numbers.items()}
 
     def stamp(self, time_ns: int) -> None:
-        """Sets every stamp, in ns since the start of time."""
+        """Sets every stamp to a time in ns."""
         self._uint32[self._stamps] = time_ns // SECOND
         self._uint32[self._stamps + 1] = time_ns % SECOND
 
     def write(self, name: str, values: ArrayLike) -> None:
-        """Fills the numbers called `name`; values: (rows, count), or whatever NumPy broadcasts to it."""
-        view, places = self._numbers[name]
-        view[places] = values
+        """Fills the numbers called `name`; values: (rows, count) or an array that broadcasts to it."""
+        view, indices = self._numbers[name]
+        view[indices] = values
 
     def __bytes__(self) -> bytes:
         return self._bytes.tobytes()
 
 
 class Transforms(NamedTuple):
-    """A tf2_msgs/TFMessage. poses: (n, 7) float64, x y z in m and a quaternion x y z w, child in parent."""
+    """A tf2_msgs/TFMessage. poses: (n, 7) float64, x y z in m and a quaternion x y z w, of the child in the parent."""
 
     stamp_ns: int
     parents: tuple[str, ...]
@@ -111,8 +118,11 @@ class Transforms(NamedTuple):
     poses: NDArray[np.float64]
 
 
-class _Shape(NamedTuple):
-    """Where the numbers of a TFMessage stand, and where its strings; the padding between may be anything."""
+class _TransformsLayout(NamedTuple):
+    """Offsets of the numbers and strings of a TFMessage; the padding bytes between them are arbitrary.
+
+    fixed: mask of the bytes that have the values `template`; numbers: (n, 7) indices of float64.
+    """
 
     fixed: NDArray[np.bool_]
     template: NDArray[np.uint8]
@@ -121,25 +131,25 @@ class _Shape(NamedTuple):
     children: tuple[str, ...]
 
 
-_shapes: dict[int, _Shape] = {}  # by length of the message; a publisher keeps to one or two
+_layouts: dict[int, _TransformsLayout] = {}  # by length of the message; a publisher uses one or two
 
 
 def read_transforms(data: bytes) -> Transforms:
-    """Parses a serialized TFMessage. Its stamp is the first transform's. Raises ValueError for other bytes."""
+    """Parses a serialized TFMessage; the stamp is that of the first transform. Raises ValueError for other bytes."""
     if data[:4] != ENCODING or len(data) < 8:
-        raise ValueError("not a little-endian CDR message")
+        raise ValueError(f"expected a little-endian CDR message, got {len(data)} bytes, first {data[:4].hex()}")
     raw = np.frombuffer(data, np.uint8)
-    shape = _shapes.get(len(data))
-    if shape is None or not np.array_equal(raw[shape.fixed], shape.template):
-        shape = _shapes[len(data)] = _measure(data)
-        if len(_shapes) > 64:
-            _shapes.pop(next(iter(_shapes)))
-    seconds, nanoseconds = struct.unpack_from("<iI", data, 8) if shape.children else (0, 0)
+    layout = _layouts.get(len(data))
+    if layout is None or not np.array_equal(raw[layout.fixed], layout.template):
+        layout = _layouts[len(data)] = _transforms_layout(data)
+        if len(_layouts) > 64:
+            _layouts.pop(next(iter(_layouts)))
+    seconds, nanoseconds = struct.unpack_from("<iI", data, 8) if layout.children else (0, 0)
     body = np.frombuffer(data, "<f8", count=(len(data) - 4) // 8, offset=4)
-    return Transforms(seconds * SECOND + nanoseconds, shape.parents, shape.children, body[shape.numbers])
+    return Transforms(seconds * SECOND + nanoseconds, layout.parents, layout.children, body[layout.numbers])
 
 
-def _measure(data: bytes) -> _Shape:
+def _transforms_layout(data: bytes) -> _TransformsLayout:
     fixed = np.zeros(len(data), bool)
     fixed[4:8] = True
     numbers: list[range] = []
@@ -164,7 +174,7 @@ def _measure(data: bytes) -> _Shape:
             names.append((parent, child))
             at += 56
     except (struct.error, UnicodeDecodeError) as error:
-        raise ValueError(f"not a TFMessage: {error}") from None
+        raise ValueError(f"expected a TFMessage, got other bytes: {error}") from None
     template = np.frombuffer(data, np.uint8)[fixed]
     parents, children = zip(*names, strict=True) if names else ((), ())
-    return _Shape(fixed, template, np.array(numbers, np.intp).reshape(-1, 7), parents, children)
+    return _TransformsLayout(fixed, template, np.array(numbers, np.intp).reshape(-1, 7), parents, children)

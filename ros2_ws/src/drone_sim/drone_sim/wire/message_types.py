@@ -1,4 +1,4 @@
-"""Message types by name ('geometry_msgs/msg/Twist'): their class, definition and hash, from what is installed."""
+"""Installed message types by name, such as geometry_msgs/msg/Twist: their class, definition and hash."""
 
 import json
 from functools import cache
@@ -12,11 +12,11 @@ SEPARATOR = "=" * 80
 
 
 class UnknownTypeError(LookupError):
-    """A message type that is not installed here, in one line."""
+    """A message type that is not installed, in one line."""
 
 
 def full_name(name: str) -> str:
-    """'geometry_msgs/Twist', as people abbreviate it, becomes 'geometry_msgs/msg/Twist'."""
+    """Expands the abbreviation geometry_msgs/Twist to geometry_msgs/msg/Twist; returns other names unchanged."""
     package, _, message = name.partition("/")
     return f"{package}/msg/{message}" if message and "/" not in message else name
 
@@ -28,13 +28,13 @@ def message_class(name: str) -> type[Any]:
     try:
         found: type[Any] = getattr(import_module(f"{package}.msg"), message)
     except (ImportError, AttributeError):
-        raise UnknownTypeError(f"no message type '{name}' is installed here") from None
+        raise UnknownTypeError(f"message type: expected an installed one, got '{name}'") from None
     return found
 
 
 @cache
 def definition(name: str) -> str:
-    """The text of the .msg file and of those that it refers to, as MCAP's encoding 'ros2msg' asks for it."""
+    """The text of the .msg file and of those it refers to, in MCAP's encoding 'ros2msg'. Raises UnknownTypeError."""
     parts = [_share(name, "msg").read_text()]
     for reference in _description(name)["type_description_msg"]["referenced_type_descriptions"]:
         package, message = _split(reference["type_name"])
@@ -44,16 +44,16 @@ def definition(name: str) -> str:
 
 @cache
 def type_hash(name: str) -> str:
-    """The hash of a type by REP-2011: 'RIHS01_' and 64 hexadecimal digits."""
+    """The hash of a type by REP-2011: 'RIHS01_' and 64 hexadecimal digits. Raises UnknownTypeError."""
     return next(str(each["hash_string"]) for each in _description(name)["type_hashes"] if each["type_name"] == name)
 
 
 def _split(name: str) -> tuple[str, str]:
-    """Package and message of a full name."""
+    """Package and message of a full name. Raises UnknownTypeError."""
     match name.split("/"):
         case [package, "msg", message] if package.isidentifier() and message.isidentifier():
             return package, message
-    raise UnknownTypeError(f"'{name}' is no message type; one is written like geometry_msgs/msg/Twist")
+    raise UnknownTypeError(f"message type: expected a name such as geometry_msgs/msg/Twist, got '{name}'")
 
 
 def _description(name: str) -> dict[str, Any]:
@@ -62,12 +62,12 @@ def _description(name: str) -> dict[str, Any]:
 
 
 def _share(name: str, suffix: str) -> Path:
-    """A file about a type in the share folder of its package."""
+    """A file of a type in the share folder of its package. Raises UnknownTypeError."""
     package, message = _split(name)
     try:
         path = Path(get_package_share_directory(package)) / "msg" / f"{message}.{suffix}"
     except (OSError, PackageNotFoundError):
-        raise UnknownTypeError(f"package '{package}' of '{name}' is not in AMENT_PREFIX_PATH") from None
+        raise UnknownTypeError(f"{name}: expected package '{package}' in AMENT_PREFIX_PATH, found none") from None
     if not path.is_file():
-        raise UnknownTypeError(f"no {message}.{suffix} is installed for '{name}'")
+        raise UnknownTypeError(f"{name}: expected an installed {message}.{suffix}, found none")
     return path

@@ -1,4 +1,4 @@
-"""What the simulation says in words, and seldom: the scene, diagnostics."""
+"""Low-rate messages of the simulation: the scene and diagnostics."""
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -8,16 +8,16 @@ from std_msgs.msg import Header
 from drone_engine.world import World
 from drone_sim.wire.cdr import SECOND
 
-KEEPING_UP = 0.95  # of the rate asked for, under which the diagnostics warn
+KEEPING_UP = 0.95  # share of the requested rate below which the diagnostics warn
 
 
 def time_message(time_ns: int) -> Time:
-    """builtin_interfaces/Time of a time in ns."""
+    """A time in ns as builtin_interfaces/Time."""
     return Time(sec=time_ns // SECOND, nanosec=time_ns % SECOND)
 
 
 def scene_message(world: World) -> SceneMessage:
-    """What runs, and what it is made of."""
+    """The description of a running world."""
     scene = world.scene
     return SceneMessage(
         name=scene.name, uri=str(scene.path), hash=scene.hash, physics_rate=scene.rates.physics,
@@ -28,9 +28,10 @@ def scene_message(world: World) -> SceneMessage:
 
 def diagnostics(world: World, time_ns: int, *, rate: float, asked: float, rejected: int, lag: float,
                 publishing_us: float) -> DiagnosticArray:
-    """Rates in Hz of wall time (asked: 0 if as fast as it can), commands rejected so far, s of wall time given up.
+    """The diagnostics of a world at a simulated time in ns.
 
-    publishing_us: what it took to say how things are, per step.
+    rate, asked: steps per s of wall time, measured and requested (0: unlimited). rejected: commands so far.
+    lag: s of wall time dropped so far. publishing_us: µs of publishing per step.
     """
     late = asked > 0.0 and rate < KEEPING_UP * asked
     status = DiagnosticStatus(

@@ -1,4 +1,4 @@
-"""What a world tells the graph every step, as serialized messages: filled from arrays, ready to be published."""
+"""The messages that a world publishes every step, serialized from its arrays."""
 
 from collections.abc import Container, Iterator
 from enum import Enum
@@ -16,7 +16,7 @@ CLOCK_RATE = 200.0  # Hz at most
 
 
 class Type(Enum):
-    """The message types used here; the node knows their classes."""
+    """Message types by their full names."""
 
     CLOCK = "rosgraph_msgs/msg/Clock"
     POSE = "geometry_msgs/msg/PoseStamped"
@@ -27,7 +27,7 @@ class Type(Enum):
 
 
 class Telemetry:
-    """Messages of one world. Topic names are relative; /clock, /tf and /tf_static are the graph's own."""
+    """The messages of one world. Topic names are relative, but for /clock."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -45,27 +45,27 @@ class Telemetry:
         self._poses = {f"{name}/pose": layouts.pose_stamped("world") for name in movable}
         self._odometry = {f"{name}/odom": layouts.odometry("world", name) for name in drones}
         self._collisions = layouts.CollisionEvents(bodies.names)
-        self._collision_events(world.contact_events, 0)  # compiles now what the first to listen would wait for
+        self._collision_events(world.contact_events, 0)  # compiles now, not for the first subscriber
         self._static = layouts.transforms(fixed.parents, fixed.names)
         if fixed.names:
             self._static.write("pose", fixed.pose_p)
 
     @property
     def topics(self) -> dict[str, Type]:
-        """Topic of everything that `messages` gives."""
+        """The topics of `messages` and their types."""
         joints = {"joint_states": Type.JOINTS} if self._joints else {}
         return {"/clock": Type.CLOCK, "tf": Type.TRANSFORMS, "collisions": Type.COLLISIONS, **joints,
                 **dict.fromkeys(self._poses, Type.POSE), **dict.fromkeys(self._odometry, Type.ODOMETRY)}
 
     def static(self, time_ns: int) -> bytes:
-        """The TFMessage for tf_static."""
+        """The serialized TFMessage for tf_static at a time in ns."""
         self._static.stamp(time_ns)
         return bytes(self._static)
 
-    def messages(self, heard: Container[str]) -> Iterator[tuple[str, bytes]]:
-        """Topic and message of all that this step has to say.
+    def messages(self, subscribed: Container[str]) -> Iterator[tuple[str, bytes]]:
+        """Yields topic and serialized message of everything to publish after a step.
 
-        heard: the topics that somebody listens to; poses, odometry and collisions are left out where nobody does.
+        subscribed: topics with subscribers; poses, odometry and collisions of other topics are left out.
         """
         world, now = self._world, self.time_ns
         step = int(world.state.step[0])
@@ -77,12 +77,12 @@ class Telemetry:
             yield "joint_states", self._filled(self._joints, now, position=world.state.rotor_angle,
                                                velocity=world.state.rotor_rate)
         for (topic, message), pose in zip(self._poses.items(), poses, strict=True):
-            if topic in heard:
+            if topic in subscribed:
                 yield topic, self._filled(message, now, pose=pose)
         for (topic, message), row, twist in zip(self._odometry.items(), self._drone_rows, self._twists(), strict=True):
-            if topic in heard:
+            if topic in subscribed:
                 yield topic, self._filled(message, now, pose=poses[row], twist=twist)
-        if "collisions" in heard and len((events := world.contact_events).phase):
+        if "collisions" in subscribed and len((events := world.contact_events).phase):
             yield "collisions", self._collision_events(events, now)
 
     def _collision_events(self, events: ContactEvents, time_ns: int) -> bytes:
@@ -94,7 +94,7 @@ class Telemetry:
 
     @property
     def time_ns(self) -> int:
-        """Simulated time, without the rounding of many small steps."""
+        """Simulated time in ns, from the number of steps, so that no rounding accumulates."""
         return round(int(self._world.state.step[0]) * SECOND / self._world.scene.rates.physics)
 
     @staticmethod
@@ -106,14 +106,14 @@ class Telemetry:
         return bytes(message)
 
     def _rotor_poses(self) -> Floats:
-        """Poses (r, 7) of the rotors in their parents, turned about their own z axis."""
+        """Poses (r, 7) of the rotors in their parents' frames, rotated about their own z axes."""
         angle = self._world.state.rotor_angle
-        turn = np.zeros((len(angle), 7))
-        turn[:, 5], turn[:, 6] = np.sin(angle / 2), np.cos(angle / 2)
-        return compose(self._world.model.rotors.pose_p, turn)
+        rotated = np.zeros((len(angle), 7))
+        rotated[:, 5], rotated[:, 6] = np.sin(angle / 2), np.cos(angle / 2)
+        return compose(self._world.model.rotors.pose_p, rotated)
 
     def _twists(self) -> Floats:
-        """Twists (d, 6) of the drones in their own frames, at their objects' origins."""
+        """Twists (d, 6) of the drones, linear and angular, in their body frames, at the origins of their objects."""
         state, bodies, drone = self._world.state, self._world.model.bodies, self._world.model.drones.body
         to_body = inverse(state.orientation_w[drone])
         angular = rotate_all(to_body, state.angular_velocity_w[drone])

@@ -1,4 +1,4 @@
-"""Bags: what goes in comes out in every reader, also after the writer was killed in the middle."""
+"""Bags: every reader returns the messages that were written, even after the writer was killed."""
 
 import multiprocessing
 import os
@@ -142,12 +142,12 @@ def test_wherever_the_file_breaks_off_the_chunks_before_are_recovered(tmp_path: 
 
 
 def test_a_bag_that_is_being_written_is_left_alone(tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "bag"), pytest.raises(BagError, match="at this moment"):
+    with BagWriter(tmp_path / "bag"), pytest.raises(BagError, match="another process is writing"):
         recover(tmp_path / "bag")
 
 
 def test_a_bag_is_never_overwritten(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match="exists already"):
+    with pytest.raises(BagError, match="expected a new folder"):
         BagWriter(tmp_path)
     with pytest.raises(BagError, match="mcap, sqlite3"):
         BagWriter(tmp_path / "bag", "bag3")

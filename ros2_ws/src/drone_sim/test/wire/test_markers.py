@@ -1,4 +1,4 @@
-"""The debug view shows boxes and balls where bodies are, red where they touch one another, and their contacts."""
+"""The debug view shows boxes and spheres of bodies, red where they touch one another, and their contacts."""
 
 from collections.abc import Callable
 
@@ -44,7 +44,7 @@ def arrows(world: World, shown: Shown) -> tuple[np.ndarray, np.ndarray]:
     return lines[:, 8, 0], lines[:, 8, 1] - lines[:, 8, 0]
 
 
-def colour(marker: Marker) -> tuple[float, ...]:
+def color(marker: Marker) -> tuple[float, ...]:
     assert not marker.colors
     return tuple(round(float(part), 3) for part in (marker.color.r, marker.color.g, marker.color.b))
 
@@ -65,7 +65,7 @@ def test_boxes_contacts_and_sectors(world: Callable[..., World]) -> None:
     np.testing.assert_allclose(np.sort(start[:, 0]), [-0.3, -0.3, 0.3, 0.3], atol=0.002)
     np.testing.assert_allclose(start[:, 2], 0, atol=0.002)
     np.testing.assert_allclose(way, [[0, 0, LENGTH]] * 4, atol=1e-6)
-    assert colour(shown["contacts", "crate_0"]) == pytest.approx(CONTACT[:3])
+    assert color(shown["contacts", "crate_0"]) == pytest.approx(CONTACT[:3])
     sectors = corners(scene, shown["sectors", "world"]).reshape(-1, 24, 3)
     low, high = sectors.min(axis=1), sectors.max(axis=1)
     assert len(np.unique(low, axis=0)) == len(low)
@@ -86,9 +86,9 @@ top: {model: crate, mass: 5, pose: [5, 0, 0.6]}
 flying: {model: crate, mass: 5, pose: [0, 0, 9]}""")
     scene.step()
     shown = read(scene)
-    red = {frame for (ns, frame), marker in shown.items() if ns == "boxes" and colour(marker) == TOUCHING}
+    red = {frame for (ns, frame), marker in shown.items() if ns == "boxes" and color(marker) == TOUCHING}
     assert red == {"under", "top", "wall", "beside"}
-    assert colour(shown["boxes", "alone"]) == colour(shown["boxes", "flying"]) == LEVELS[OBB]
+    assert color(shown["boxes", "alone"]) == color(shown["boxes", "flying"]) == LEVELS[OBB]
     assert {frame for ns, frame in shown if ns == "contacts"} == {"alone", "above", "beside", "under"}
 
 
@@ -136,19 +136,19 @@ fine: {model: crate, mass: 5, pose: [15, 0, 3], collision: {level: triangle}}
 post: {model: crate, static: true, pose: [20, 0, 3], collision: {level: octree}}"""
 
 
-def test_each_level_has_its_shape_and_colour(world: Callable[..., World]) -> None:
+def test_each_level_has_its_shape_and_color(world: Callable[..., World]) -> None:
     scene = world(LEVEL_SCENE)
     scene.step()
     shown = read(scene)
-    for name in ("ball", "box", "tree", "fine"):  # all that moves has a bounding sphere, in the colour of that level
+    for name in ("ball", "box", "tree", "fine"):  # all that moves has a bounding sphere, in the color of that level
         ball = shown["spheres", name]
         size, at = ball.scale, ball.pose.position
         assert ball.type == Marker.SPHERE and (size.x, size.y, size.z) == pytest.approx([0.6 * np.sqrt(3)] * 3)
         assert (at.x, at.y, at.z) == pytest.approx((0, 0, 0.3), abs=1e-4)
-        assert colour(ball) == colour(shown["boxes", "ball"])
+        assert color(ball) == color(shown["boxes", "ball"])
     assert ("spheres", "post") not in shown
     assert shown["spheres", "ball"].color.a > shown["spheres", "box"].color.a
-    assert len({colour(shown["boxes", name]) for name in ("ball", "box", "tree", "fine")}) == 4
+    assert len({color(shown["boxes", name]) for name in ("ball", "box", "tree", "fine")}) == 4
     assert {frame for ns, frame in shown if ns == "octrees"} == {"tree", "fine"}
     for name in ("tree", "fine"):
         nodes = corners(scene, shown["octrees", name])
