@@ -9,9 +9,8 @@ import numpy as np
 
 from bench.render import scene as scenery
 from bench.render.scene import Bytes
-from drone_engine.scene import loading as scenes
-from drone_render import context
-from drone_render.image import Picture
+from drone_engine.scene import schema as scenes
+from drone_render.gl import context
 from drone_render.renderer import Renderer
 
 PAINT = "newmtl paint\nKd 1 1 1\nKs {0} {0} {0}\nNs {1}\nmap_Kd ../textures/{2}.png\nnorm ../textures/{2}_normal.png\n"

@@ -11,8 +11,8 @@ import numpy as np
 from bench.render import scene as scenery
 from bench.render.scene import Bytes
 from drone_engine.arrays import Floats
-from drone_render import context
-from drone_render.context import write
+from drone_render.gl import context
+from drone_render.gl.uniforms import write
 
 VERTEX = """#version 330
 uniform mat4 clip; uniform mat4 model;

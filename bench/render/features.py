@@ -11,9 +11,8 @@ from bench.report.results import Row
 from drone_engine import Scene
 from drone_engine.scene import loading as scenes
 from drone_engine.world import World
-from drone_render import context
-from drone_render.image import Picture
-from drone_render.lines import read_markers
+from drone_render.gl import context
+from drone_render.node.markers import read_markers
 from drone_render.renderer import Renderer
 from drone_sim.wire.markers import Markers
 

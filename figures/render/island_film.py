@@ -15,10 +15,9 @@ from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.math.poses import compose
 from drone_engine.world import Command, World
-from drone_render import context
+from drone_render.gl import context
 from drone_render.film import Film
-from drone_render.history import History, Moment, State
-from drone_render.image import Picture
+from drone_render.frame.history import History, Moment, State
 from drone_render.renderer import Renderer
 from drone_sim.wire.cdr import SECOND
 from figures import DOCS

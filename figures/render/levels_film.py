@@ -16,10 +16,8 @@ from drone_engine.arrays import Floats
 from drone_engine.math.poses import compose
 from drone_engine.scene.schema import Collision
 from drone_engine.world import Command, World
-from drone_render import context
+from drone_render.gl import context
 from drone_render.film import Film
-from drone_render.hierarchy import Hierarchy
-from drone_render.image import Picture
 from drone_render.renderer import Renderer
 from figures import DOCS
 

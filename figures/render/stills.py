@@ -15,11 +15,10 @@ from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.scene.schema import ObjectCollision
 from drone_engine.world import World
-from drone_render import context
-from drone_render.image import Picture
-from drone_render.lines import read_markers
+from drone_render.gl import context
+from drone_render.node.markers import read_markers
 from drone_render.renderer import Renderer
-from drone_render.view import pose
+from drone_render.frame.poses import pose
 from drone_sim.wire.markers import Markers
 from figures import DOCS
 from figures.style import INK

@@ -1,4 +1,4 @@
-"""Films: MP4 through PyAV or GIF through Pillow, encoded beside the drawing."""
+"""Films: MP4 through PyAV or GIF through Pillow, encoded in a thread of their own."""
 
 import queue
 import threading
@@ -10,28 +10,32 @@ import av
 import numpy as np
 from PIL import Image
 
-GIF_RATE = 50  # pictures a second; what comes faster, viewers show at a tenth of a second each
-WAITING = 16  # frames that may wait for the encoder; beyond, drawing waits, as a film never drops any
+from drone_render.arrays import Bytes
+
+MAX_GIF_RATE = 50  # pictures per second; viewers show faster GIFs at ten pictures per second
+QUEUE_LENGTH = 16  # pictures that wait for the encoder at most; then `add` waits, as a film drops no picture
 
 
 class FilmError(ValueError):
-    """What is wrong with a film, in one line."""
+    """Why a film cannot be made, in one line."""
 
 
 class Film:
-    """A film of RGB pictures of one size, `rate` a second. Its file can be played once it is closed.
+    """A film of RGB pictures of one size.
 
-    Raises FilmError for an ending other than .mp4 and .gif and for a file that cannot be written.
+    path: ends in .mp4 or .gif; size: width and height in pixels; rate: pictures per second. The file can be played once
+    the film is closed. Raises FilmError for another suffix, a size or rate that the format does not allow, and a file
+    that cannot be written.
     """
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
         encoders: dict[str, Callable[[], None]] = {".mp4": self._mp4, ".gif": self._gif}
         if path.suffix not in encoders:
-            raise FilmError(f"{path}: films end in .mp4 or .gif")
-        if path.suffix == ".gif" and rate > GIF_RATE:
-            raise FilmError(f"{path}: a GIF has at most {GIF_RATE} pictures a second, not {rate}")
+            raise FilmError(f"{path}: expected a file name that ends in .mp4 or .gif, got '{path.name}'")
+        if path.suffix == ".gif" and rate > MAX_GIF_RATE:
+            raise FilmError(f"{path}: expected at most {MAX_GIF_RATE} pictures per second for a GIF, got {rate}")
         if path.suffix == ".mp4" and (size[0] % 2 or size[1] % 2):
-            raise FilmError(f"{path}: an MP4 needs an even width and height, not {size[0]}x{size[1]}")
+            raise FilmError(f"{path}: expected an even width and height for an MP4, got {size[0]}x{size[1]}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.open("wb").close()
@@ -39,17 +43,19 @@ class Film:
             raise FilmError(f"{path}: {error.strerror}") from None
         self.path, self.size, self.frames = path, size, 0
         self._rate = rate
-        self._queue: queue.Queue[bytes | None] = queue.Queue(WAITING)
+        self._queue: queue.Queue[bytes | None] = queue.Queue(QUEUE_LENGTH)
         self._error: Exception | None = None
         self._thread = threading.Thread(target=self._encode, args=(encoders[path.suffix],), name="film")
         self._thread.start()
 
-    def add(self, pixels: bytes) -> None:
-        """Takes one picture: rows from the top, width x 3 bytes each. Raises FilmError if encoding has failed; the
-        film is closed then."""
+    def add(self, pixels: bytes | Bytes) -> None:
+        """Adds a picture: (height, width, 3) uint8, or its bytes, the top row first.
+
+        Raises FilmError if encoding has failed; the film is closed then.
+        """
         if self._error is not None:
             self.close()
-        self._queue.put(pixels)
+        self._queue.put(bytes(pixels))
         self.frames += 1
 
     def close(self) -> None:
@@ -63,9 +69,9 @@ class Film:
     def _encode(self, encoder: Callable[[], None]) -> None:
         try:
             encoder()
-        except Exception as error:  # of a codec, a disk: whoever adds next is told
+        except Exception as error:  # of the codec or the disk; `add` and `close` raise it
             self._error = error
-            for _ in self._pictures():  # nobody may wait for a full queue
+            for _ in self._pictures():  # empties the queue, so that `add` does not block
                 pass
 
     def _pictures(self) -> Iterator[bytes]:
@@ -73,7 +79,7 @@ class Film:
 
     def _mp4(self) -> None:
         width, height = self.size
-        # In fragments of a second, so that what is there can be played even if the process is killed.
+        # In fragments of one second, so that the file can be played even if the process is killed.
         options = {"movflags": "frag_keyframe+empty_moov+default_base_moof"}
         with av.open(str(self.path), "w", options=options) as container:
             stream = container.add_stream("libx264", rate=self._rate, options={"preset": "veryfast", "crf": "20"})
@@ -89,23 +95,23 @@ class Film:
             container.mux(stream.encode())
 
     def _gif(self) -> None:
-        # Pillow keeps all frames until the end, so they are kept with 256 colours each.
+        # Pillow keeps all pictures until the end; with 256 colors each they take a third of the memory.
         images = [Image.frombytes("RGB", self.size, pixels).quantize(256) for pixels in self._pictures()]
         if images:
-            ends = np.round(100 * np.arange(len(images) + 1) / self._rate)  # a GIF counts in hundredths of a second
+            ends = np.round(100 * np.arange(len(images) + 1) / self._rate)  # GIF durations are multiples of 10 ms
             durations = (10 * np.diff(ends)).astype(int).tolist()
             images[0].save(self.path, save_all=True, append_images=images[1:], duration=durations, loop=0)
 
 
 class Reel:
-    """A film that begins with its first picture, and keeps the size of that; `path` is empty where none is made."""
+    """A film that is opened with its first picture, whose size it keeps; with an empty path no film is made."""
 
     def __init__(self, path: str, rate: int) -> None:
         self.path, self.rate = path, rate
         self._film: Film | None = None
 
     def add(self, size: tuple[int, int], pixels: bytes) -> None:
-        """Takes one picture of any size. Raises FilmError, after which none is made."""
+        """Adds a picture of any size (width, height), as bytes. Raises FilmError, and then makes no film."""
         try:
             if self._film is None:
                 self._film = Film(Path(self.path), size, self.rate)
@@ -117,7 +123,7 @@ class Reel:
             raise
 
     def close(self) -> str:
-        """Finishes the film, if there is one, and says what is in it. Raises FilmError."""
+        """Finishes the film, and returns a description of it; empty if there is none. Raises FilmError."""
         if self._film is None:
             return ""
         self._film.close()

@@ -1,4 +1,4 @@
-"""The node that draws: follows the scene and the poses, publishes what its cameras see."""
+"""The node that draws: follows the scene and the poses of the simulation, and publishes the pictures of its cameras."""
 
 import logging
 import signal
@@ -23,29 +23,29 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
+from drone_engine.arrays import Floats
 from drone_engine.geometry import mesh
-from drone_engine.scene import loading as scenes
-from drone_render import context
-from drone_render.debug_view import DebugView
-from drone_render.diagnostics import diagnostics
+from drone_engine.scene import schema as scenes
 from drone_render.film import FilmError, Reel
-from drone_render.image import Picture
+from drone_render.frame.schedule import Due, Schedule
+from drone_render.gl import context
+from drone_render.node.camera_messages import ImageMessage
+from drone_render.node.camera_publisher import CameraPublisher, static_transforms
+from drone_render.node.debug_view import DebugView
+from drone_render.node.diagnostics import diagnostics
+from drone_render.node.save_image import Request, SaveImage
 from drone_render.renderer import Renderer
-from drone_render.saving import Request, SaveImage
-from drone_render.schedule import Due, Schedule
-from drone_render.shutter import Shutter, rigid_transforms
-from drone_render.view import Array
 from drone_sim.node.process import ENDS, PARAMETER_ERRORS, NodeLog
 from drone_sim.wire.cdr import SECOND, Transforms, read_transforms
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-EARLY = 10_000  # states kept for a film while its scene is being loaded
-SWITCH_INTERVAL = 0.0005  # s; Python's 5 ms would let the thread that draws wait for ROS a third of a picture's time
-FINISH_WITHIN = 1.0  # s, for the pictures of a film that are left when all ends
+MAX_EARLY_STATES = 10_000  # kept for a film while its scene is being loaded
+SWITCH_INTERVAL = 0.0005  # s; with Python's 5 ms the drawing thread would wait for the ROS thread a third of the time
+FINISH_TIMEOUT = 1.0  # s, for the remaining pictures of a film after Ctrl-C
 
 
 class RenderNode(Node):
-    """Draws in the thread that calls `run`; ROS calls back in another one, and leaves what it brings under a lock."""
+    """Draws in the thread that calls `run`. Callbacks run in another thread; `_changed` guards the shared data."""
 
     def __init__(self) -> None:
         super().__init__("drone_render")
@@ -59,21 +59,21 @@ class RenderNode(Node):
         self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
         image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
 
-        logging.getLogger("drone_sim").addHandler(NodeLog(self.get_logger()))  # what is wrong with models
+        logging.getLogger("drone_engine").addHandler(NodeLog(self.get_logger()))  # warnings about models
         self._graphics = context.create()
         self.get_logger().info(f"drawing on {context.device_name(self._graphics)}")
         self._changed = threading.Condition()
         self._wanted_scene: SceneMessage | None = None
         self._added: list[str] = []
         self._schedule: Schedule | None = None
-        # States that come while the scene is being loaded; a film begins with the first of them.
-        self._early: deque[Transforms] = deque(maxlen=EARLY if film else 1)
+        # States that arrive while the scene is being loaded; a film begins with the first of them.
+        self._early: deque[Transforms] = deque(maxlen=MAX_EARLY_STATES if film else 1)
         self._renderer: Renderer | None = None
         self._hash = ""
         self._selected = ""
-        self._shutters: dict[str, Shutter] = {}
+        self._publishers: dict[str, CameraPublisher] = {}
         self._drawn = 0
-        self._publishing = ThreadPoolExecutor(1, "publish")  # beside the drawing of the next picture
+        self._publishing = ThreadPoolExecutor(1, "publish")  # while the next picture is drawn
         self._published: Future[None] = self._publishing.submit(lambda: None)
 
         self.create_subscription(SceneMessage, "scene", self._on_scene, LATCHED)
@@ -91,7 +91,7 @@ class RenderNode(Node):
         descriptor = ParameterDescriptor(description=description, read_only=True)
         return str(self.declare_parameter(name, default, descriptor).value)
 
-    # What ROS brings, in its own thread.
+    # Callbacks, in the thread of ROS.
 
     def _on_scene(self, message: SceneMessage) -> None:
         with self._changed:
@@ -102,7 +102,7 @@ class RenderNode(Node):
         try:
             state = read_transforms(data)
         except ValueError as error:
-            self.get_logger().warning(f"tf: {error}; left out", throttle_duration_sec=5.0)
+            self.get_logger().warning(f"tf: {error}; message ignored", throttle_duration_sec=5.0)
             return
         with self._changed:
             if self._schedule is None:
@@ -116,12 +116,12 @@ class RenderNode(Node):
             self._select(message.data)
 
     def _select(self, name: str) -> None:
-        if self._schedule is None or (self._wanted_scene and self._wanted_scene.hash != self._hash):  # one is loading
+        if self._schedule is None or (self._wanted_scene and self._wanted_scene.hash != self._hash):  # loading
             self._wanted_camera = name
-        elif name in self._shutters:
+        elif name in self._publishers:
             self._selected = self._wanted_camera = name
         else:
-            known = ", ".join(self._shutters) or "none"
+            known = ", ".join(self._publishers) or "none"
             self.get_logger().warning(f"camera/select: no camera '{name}'; there are {known}")
 
     def _on_add(self, message: String) -> None:
@@ -135,11 +135,11 @@ class RenderNode(Node):
             if self._schedule is not None:
                 dropped, now = self._schedule.dropped, self._schedule.history.latest.stamp
             values = {"frames drawn": self._drawn, "frames dropped": dropped, "selected": self._selected}
-            times = [value for shutter in self._shutters.values() for value in shutter.report()]
+            times = [value for publisher in self._publishers.values() for value in publisher.report()]
             drawing = self._renderer is not None
         self._diagnostics.publish(diagnostics(context.device_name(self._graphics), drawing, now, values, times))
 
-    # What draws, in the thread that owns the context.
+    # Drawing, in the thread that owns the context.
 
     def run(self, stop: threading.Event) -> None:
         """Draws until `stop` is set."""
@@ -167,12 +167,12 @@ class RenderNode(Node):
         for request in requests:
             request.done.set()
 
-    def close(self, hurry: threading.Event) -> None:
-        """Finishes the film with what is left of it, in FINISH_WITHIN s if in a hurry; gives the device back."""
+    def close(self, quick: threading.Event) -> None:
+        """Draws the rest of the film, within FINISH_TIMEOUT once `quick` is set, and frees the device."""
         self._publishing.shutdown()
         try:
             if self._schedule is not None:
-                self._draw_film(self._schedule, hurry)
+                self._draw_film(self._schedule, quick)
         finally:
             try:
                 if made := self._reel.close():
@@ -183,17 +183,17 @@ class RenderNode(Node):
                 self._renderer.release()
             self._graphics.release()
 
-    def _draw_film(self, schedule: Schedule, hurry: threading.Event | None = None) -> None:
-        """Draws what is left of the film, if one is made."""
+    def _draw_film(self, schedule: Schedule, quick: threading.Event | None = None) -> None:
+        """Draws the remaining pictures of the film, if there is one."""
         until = np.inf
         while self._reel.path and time.monotonic() < until and (due := schedule.pop(np.inf)):
             due.live = False
             self._draw(due)
-            if hurry is not None and hurry.is_set() and until == np.inf:
-                until = time.monotonic() + FINISH_WITHIN
+            if quick is not None and quick.is_set() and until == np.inf:
+                until = time.monotonic() + FINISH_TIMEOUT
 
     def _switch(self, message: SceneMessage) -> None:
-        """Changes to the scene of a message; if it cannot be drawn, the old one stays."""
+        """Changes to the scene of a message; keeps the old one if the new one cannot be drawn."""
         with self._changed:
             old_schedule, self._schedule = self._schedule, None
         try:
@@ -208,39 +208,39 @@ class RenderNode(Node):
                     self._select(self._wanted_camera)
             return
         if scene.hash != message.hash:
-            self.get_logger().warning(f"scene: {message.uri}: has changed since the simulation read it")
+            self.get_logger().warning(f"scene: {message.uri}: has changed since the simulation loaded it")
         if old_schedule is not None:
             self._draw_film(old_schedule)
         old = self._renderer
         film = float(self._reel.rate) if self._reel.path else None
         hierarchy = renderer.hierarchy
         self._published.result()
-        for shutter in self._shutters.values():
-            shutter.close()
+        for publisher in self._publishers.values():
+            publisher.close()
         with self._changed:
             self._renderer, self._hash = renderer, message.hash
             self._schedule = Schedule(hierarchy.names, hierarchy.start, scene.rates.physics, scene.rates.draw, film)
             for state in self._early:
                 self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
             self._early.clear()
-            self._shutters = {name: Shutter(self, name, camera) for name, camera in scene.cameras.items()}
-            self._selected = next(iter(self._shutters), "")
+            self._publishers = {name: CameraPublisher(self, name, camera) for name, camera in scene.cameras.items()}
+            self._selected = next(iter(self._publishers), "")
             if self._wanted_camera:
                 self._select(self._wanted_camera)
         if old is not None:
             old.release()
-        self._tf_static.publish(rigid_transforms(scene.cameras))
+        self._tf_static.publish(static_transforms(scene.cameras))
         self._names.publish(String(data="".join(f"{i}: {name}\n" for i, name in enumerate(scene.objects, 1))))
         self.get_logger().info(f"scene {scene.name}: cameras {', '.join(scene.cameras) or 'none'}")
 
     def _add(self, text: str) -> None:
-        """More cameras, as a scene words them; a broken word changes nothing."""
+        """Adds cameras from YAML as under `cameras` of a scene; invalid text changes nothing."""
         if self._renderer is None:
             self.get_logger().error("camera/add: there is no scene yet")
             return
         old = self._renderer.scene.cameras
         try:
-            self._renderer.adopt(self._renderer.scene.with_cameras(text))
+            self._renderer.set_cameras(self._renderer.scene.with_cameras(text))
         except ValueError as error:
             self.get_logger().error(f"camera/add: {error}")
             return
@@ -249,51 +249,57 @@ class RenderNode(Node):
         self._published.result()
         with self._changed:
             for name, camera in changed.items():
-                if name in self._shutters:
-                    self._shutters[name].close()
-                self._shutters[name] = Shutter(self, name, camera)
+                if name in self._publishers:
+                    self._publishers[name].close()
+                self._publishers[name] = CameraPublisher(self, name, camera)
                 self.get_logger().info(f"camera/add: {'another' if name in old else 'a new'} camera '{name}'")
-            self._selected = self._selected or next(iter(self._shutters), "")
-        self._tf_static.publish(rigid_transforms(cameras))
+            self._selected = self._selected or next(iter(self._publishers), "")
+        self._tf_static.publish(static_transforms(cameras))
 
     def _draw(self, due: Due) -> None:
+        """Draws the cameras that have subscribers or are filmed, at one moment."""
         poses = due.moment.poses()
-        for name, shutter in self._shutters.items():
+        for name, publisher in self._publishers.items():
             filmed = due.film and name == self._selected
-            taken = filmed or (due.live and shutter.watched())
-            if taken:
-                self._take(name, shutter, poses, due.moment.stamp, due.live)
+            drawn = filmed or (due.live and publisher.needs_picture())
+            if drawn:
+                self._draw_picture(name, publisher, poses, due.moment.stamp, due.live)
             if filmed:
-                self._expose(shutter.picture)
-            if due.live and shutter.measured():
-                self._measure(name, shutter, poses, due.moment.stamp, placed=taken)
+                self._add_to_film(publisher.picture)
+            if due.live and publisher.needs_depth():
+                self._draw_depth(name, publisher, poses, due.moment.stamp, camera_published=drawn)
 
-    def _take(self, name: str, shutter: Shutter, poses: Array, stamp: int, live: bool) -> None:
+    def _draw_picture(self, name: str, publisher: CameraPublisher, poses: Floats, stamp: int, live: bool) -> None:
         """Draws one picture and, if it is live, publishes it."""
         assert self._renderer is not None
         start = time.perf_counter()
         self._debug.show(self._renderer, poses)
-        place = self._renderer.draw(name, poses, stamp / SECOND, shutter.picture)
+        picture = publisher.picture
+        matrix = self._renderer.draw_into(picture.pixels, name, poses, stamp / SECOND)
         with self._changed:
-            shutter.seconds += time.perf_counter() - start
-            shutter.drawn += 1
+            publisher.seconds += time.perf_counter() - start
+            publisher.drawn += 1
             self._drawn += 1
         if live:
             self._published.result()
-            self._published = self._publishing.submit(shutter.publish, stamp, place, shutter.picture.message(stamp))
+            self._published = self._publishing.submit(publisher.publish, stamp, matrix, picture.message(stamp))
 
-    def _measure(self, name: str, shutter: Shutter, poses: Array, stamp: int, placed: bool) -> None:
-        """Draws how far away everything is, and what it is; publishes both. placed: the camera's place is published."""
+    def _draw_depth(
+        self, name: str, publisher: CameraPublisher, poses: Floats, stamp: int, camera_published: bool
+    ) -> None:
+        """Draws and publishes depth and labels; camera_published: whether `_draw_picture` published the transform."""
         assert self._renderer is not None
-        place = self._renderer.measure(name, poses, stamp / SECOND, shutter.depth, shutter.labels)
-        messages = shutter.depth.message(stamp), shutter.labels.message(stamp)
+        depth, labels = publisher.depth, publisher.labels
+        matrix = self._renderer.measure_into(depth.pixels, labels.pixels, name, poses, stamp / SECOND)
+        messages = depth.message(stamp), labels.message(stamp)
         self._published.result()
-        self._published = self._publishing.submit(shutter.publish_ranges, stamp, None if placed else place, *messages)
+        self._published = self._publishing.submit(
+            publisher.publish_depth, stamp, None if camera_published else matrix, *messages)
 
-    def _expose(self, picture: Picture) -> None:
-        """Adds a picture to the film."""
+    def _add_to_film(self, picture: ImageMessage) -> None:
+        """Adds a picture to the film; after an error no film is made."""
         try:
-            self._reel.add((picture.width, picture.height), picture.pixels())
+            self._reel.add(picture.size, picture.pixels.tobytes())
         except FilmError as error:
             self.get_logger().error(f"film: {error}; no film is made")
             with self._changed:
@@ -301,26 +307,27 @@ class RenderNode(Node):
                     self._schedule.end_film()
 
     def _answer(self, request: Request) -> None:
-        """Draws the latest state for whoever waits."""
+        """Draws the latest state for a call of ~/save_image."""
         if self._schedule is not None and self._selected:
             with self._changed:
                 state, name = self._schedule.history.latest, self._selected
-            picture = self._shutters[name].picture
-            self._take(name, self._shutters[name], state.poses, state.stamp, live=False)
-            request.image = PillowImage.frombytes("RGB", (picture.width, picture.height), picture.pixels())
+            publisher = self._publishers[name]
+            self._draw_picture(name, publisher, state.poses, state.stamp, live=False)
+            request.image = PillowImage.fromarray(publisher.picture.pixels.copy())
             request.name = f"{name}_{state.stamp / SECOND:.3f}.png"
         request.done.set()
 
 
 def main(args: list[str] | None = None) -> None:
+    """Runs the node until a signal."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    stop, hurry = threading.Event(), threading.Event()
+    stop, quick = threading.Event(), threading.Event()
 
     def end(number: int, _: object) -> None:
-        """A signal only sets flags: what is being drawn or published is finished; after SIGTERM the film is, too."""
+        """Sets flags only: the current picture is finished, and after SIGTERM so is the film."""
         stop.set()
         if number == signal.SIGINT:
-            hurry.set()
+            quick.set()
 
     for number in ENDS:
         signal.signal(number, end)
@@ -335,14 +342,14 @@ def main(args: list[str] | None = None) -> None:
     spinning = ThreadPoolExecutor(1, "ros").submit(executor.spin)
     spinning.add_done_callback(lambda _: stop.set())  # a callback that failed ends the node
     try:
-        mesh.prepare()  # the simulation takes longer to start, and nothing is known of the scene before
+        mesh.prepare()  # done while the simulation starts, which takes longer
         node.run(stop)
-        executor.shutdown(timeout_sec=FINISH_WITHIN)
+        executor.shutdown(timeout_sec=FINISH_TIMEOUT)
         spinning.result()
     except ExternalShutdownException:
         pass
     finally:
-        node.close(hurry)
+        node.close(quick)
         rclpy.try_shutdown()
 
 

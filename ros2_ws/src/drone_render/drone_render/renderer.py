@@ -2,52 +2,70 @@
 
 import math
 from collections.abc import Iterable
-from typing import Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
-import moderngl
 import numpy as np
 
-from drone_engine import Scene
+from drone_engine.arrays import Floats
 from drone_engine.geometry import mesh
-from drone_render import daylight, view
-from drone_render.context import Device, packed, waiter
-from drone_render.edges import EdgePass
-from drone_render.frame import Frame
-from drone_render.hierarchy import Hierarchy, Lighting
-from drone_render.image import Picture
-from drone_render.lines import Lines
-from drone_render.overlay import LinePass
-from drone_render.ranges import RangePass
-from drone_render.shore import Shore, survey
-from drone_render.sky import SkyColours, SkyPass
-from drone_render.solid import TOLERANCE, SolidPass
-from drone_render.view import Array
-from drone_render.water import WaterPass
+from drone_engine.scene.schema import Scene
+from drone_render.arrays import Bytes, Float32s, Labels
+from drone_render.frame import daylight, view
+from drone_render.frame.frame import Frame
+from drone_render.frame.hierarchy import Hierarchy
+from drone_render.frame.lighting import Lighting
+from drone_render.frame.lines import Lines
+from drone_render.gl import context as contexts
+from drone_render.gl.context import Context
+from drone_render.gl.depth import DepthPass
+from drone_render.gl.device import Device
+from drone_render.gl.edges import EdgePass
+from drone_render.gl.overlay import LinePass
+from drone_render.gl.shore import Shore, survey
+from drone_render.gl.sky import SkyColors, SkyPass
+from drone_render.gl.solid import TOLERANCE, SolidPass
+from drone_render.gl.uniforms import packed
+from drone_render.gl.water import WaterPass
+
+if TYPE_CHECKING:
+    from drone_render.frame.hierarchy import State
+
+
+class Measurement(NamedTuple):
+    """Depth and labels of a picture, the top row first."""
+
+    depth: Float32s  # (height, width) m along the optical axis, inf where there is no object
+    labels: Labels  # (height, width) number of the object, from 1 in the scene's order; 0 where there is none
 
 
 class Renderer:
     """A scene on the graphics device. Use it as a context manager, or call `release`.
 
-    tolerance: pixels that surfaces may be off by where far things have fewer triangles; at 0 none is off at all.
-    Raises SceneError, MeshError or ValueError for models and textures that are not as they should be.
+    context: an OpenGL context to share; by default the renderer creates its own. tolerance: error of the levels of
+    detail in pixels; at 0 every triangle is drawn. Raises ContextError without OpenGL, and SceneError, MeshError or
+    ValueError for models and textures that cannot be used.
+
+    A state is a World of this scene, poses (7,) by name (the other objects are where the scene file has them), poses
+    (n, 7) of all objects in the scene's order, each in its parent's frame, or None: all objects as in the scene file.
     """
 
-    def __init__(self, scene: Scene, context: moderngl.Context, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, scene: Scene, context: Context | None = None, tolerance: float = TOLERANCE) -> None:
         self.scene = scene
         self._tolerance = tolerance
         self.hierarchy = Hierarchy(scene)
-        self._context = context
-        self._wait = waiter()
-        self._device = Device(context)
+        self._owns_context, self._released = context is None, False
+        self._context = contexts.create() if context is None else context
+        self._finish = contexts.finisher()
+        self._device = Device(self._context)
         self._lighting = Lighting(self.hierarchy)
-        self._targets: dict[tuple[int, int], moderngl.Framebuffer] = {}
-        self._ranges: RangePass | None = None
-        self._overlay: LinePass | None = None  # as it was last
-        self._lines: LinePass | None = None  # if it is shown
-        self._edges = None if scene.render.antialiasing is None else EdgePass(self._device)
+        self._depth: DepthPass | None = None
+        self._overlay: LinePass | None = None
+        self._shows_overlay = False
         try:
-            self._load()
-            self._warm_up()
+            with self._context:
+                self._edges = None if scene.render.antialiasing is None else EdgePass(self._device)
+                self._load()
+                self._warm_up()
         except BaseException:
             self.release()
             raise
@@ -59,15 +77,98 @@ class Renderer:
         self.release()
 
     def release(self) -> None:
-        """Gives everything back to the device; the context stays."""
-        self._device.release()
+        """Frees everything on the device, and the context if the renderer created it; the renderer cannot draw then."""
+        if self._released:
+            return
+        self._released = True
+        with self._context:
+            self._device.release()
+        if self._owns_context:
+            self._context.release()
 
     @property
     def programs(self) -> Iterable[str]:
-        """The fragment shaders in use, as they were compiled."""
+        """The fragment shaders in use, as compiled."""
         return [variant.sources()[1] for variant in self._device.programs]
 
+    def draw(self, camera: str, state: "State" = None, time: float | None = None) -> Bytes:
+        """Picture (height, width, 3) of a camera, the top row first; state: see the class.
+
+        time: simulated time in s, which moves clouds, waves and orbits; by default a World's own, else 0. Raises
+        ValueError for an unknown camera and for poses that do not fit the scene.
+        """
+        width, height = self._size(camera)
+        pixels = np.empty((height, width, 3), np.uint8)
+        self.draw_into(pixels, camera, self.hierarchy.poses(state), _time(state, time))
+        return pixels
+
+    def measure(self, camera: str, state: "State" = None, time: float | None = None) -> Measurement:
+        """Depth and labels of a camera, in full detail; arguments and errors as in `draw`."""
+        width, height = self._size(camera)
+        depth, labels = np.empty((height, width), np.float32), np.empty((height, width), np.uint16)
+        self.measure_into(depth, labels, camera, self.hierarchy.poses(state), _time(state, time))
+        return Measurement(depth, labels)
+
+    def draw_into(self, pixels: Bytes, camera: str, poses: Floats, time: float) -> Floats:
+        """Draws a picture into `pixels`, contiguous (height, width, 3); returns the camera's matrix (4, 4).
+
+        poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
+        """
+        frame = self._frame(camera, poses, time)
+        with self._context:
+            target = self._targets[frame.size]
+            self._device.begin(target, self._background)
+            self._solid.draw(frame)
+            if self._water is not None:
+                self._water.draw(frame)
+            if self._sky is not None:
+                self._sky.draw(frame, self._sky_center(frame))
+            if self._overlay is not None and self._shows_overlay:
+                self._overlay.draw(frame)
+            if self._edges is not None:
+                self._finish()  # the pass reads the picture, and would wait for it without letting other threads run
+                target = self._edges.draw(frame.size)
+            self._finish()
+            target.read_into(pixels, components=3, alignment=1)
+        return frame.camera
+
+    def measure_into(self, depth: Float32s, labels: Labels, camera: str, poses: Floats, time: float) -> Floats:
+        """Draws depth and labels into arrays (height, width); otherwise as `draw_into`."""
+        frame = self._frame(camera, poses, time)
+        with self._context:
+            if self._depth is None:
+                self._depth = DepthPass(self._device)
+            self._depth.begin(frame.size, packed(frame.view_projection.T))
+            self._solid.draw_depth(frame, self._depth)
+            if self._water is not None:
+                self._water.draw_depth(frame, self._depth)
+            self._finish()
+            self._depth.read(frame.size, depth, labels)
+        return frame.camera
+
+    def show(self, lines: Lines | None) -> None:
+        """Sets lines and spheres to draw over all further pictures; None removes them."""
+        self._shows_overlay = lines is not None
+        if lines is not None:
+            with self._context:
+                if self._overlay is None:
+                    self._overlay = LinePass(self._device)
+                self._overlay.show(lines)
+
+    def set_cameras(self, scene: Scene) -> None:
+        """Takes over the cameras of a scene that is otherwise equal to the renderer's."""
+        self.scene = self.hierarchy.scene = scene
+        with self._context:
+            self._make_targets()
+
+    def _size(self, camera: str) -> tuple[int, int]:
+        if camera not in self.scene.cameras:
+            raise ValueError(f"no camera '{camera}' in the scene '{self.scene.name}'; there are "
+                             f"{', '.join(self.scene.cameras) or 'none'}")
+        return self.scene.cameras[camera].size
+
     def _load(self) -> None:
+        """Uploads the models, and builds the passes that the scene needs."""
         scene, render = self.scene, daylight.dimmed(self.scene.render)
         loaded = {path: mesh.load(path) for path in {scene.model_path(name) for name in self.hierarchy.names}}
         self._models = [loaded[scene.model_path(name)] for name in self.hierarchy.names]
@@ -77,19 +178,20 @@ class Renderer:
         solid = {row: model for row, model in enumerate(self._models) if not self._is_water[row]}
         self._solid = SolidPass(self._device, render, solid, self._lighting, self._tolerance)
         has_sun = self._lighting.sun is not None
-        colours = None if render.sky is None else SkyColours.of(self._device, render.sky, render.daylight)
+        colors = None if render.sky is None else SkyColors.of(self._device, render.sky, render.daylight)
         self._water = None
         if render.water is not None and self._is_water.any():
-            bodies = {row: model for row, model in enumerate(self._models) if self._is_water[row]}
-            self._water = WaterPass(self._device, render, render.water, bodies, colours, has_sun, self._survey())
+            water = {row: model for row, model in enumerate(self._models) if self._is_water[row]}
+            self._water = WaterPass(self._device, render, render.water, water, colors, has_sun, self._survey())
         self._sky = None
-        if render.sky is not None and colours is not None:
-            self._sky = SkyPass(self._device, render, render.sky, colours, has_sun)
+        if render.sky is not None and colors is not None:
+            self._sky = SkyPass(self._device, render, render.sky, colors, has_sun)
         self._background = render.ambient
-        self._aim()
+        self._targets: dict[tuple[int, int], contexts.Framebuffer] = {}
+        self._make_targets()
 
-    def _aim(self) -> None:
-        """Makes what cameras draw into, one for each size."""
+    def _make_targets(self) -> None:
+        """Creates a framebuffer for each size of the cameras."""
         for camera in self.scene.cameras.values():
             if camera.size not in self._targets:
                 self._targets[camera.size] = (
@@ -97,6 +199,7 @@ class Renderer:
                 )
 
     def _survey(self) -> Shore | None:
+        """The shore map of the static solid objects, at the lowest water level."""
         world = self.hierarchy.world(self.hierarchy.start)
         things = list(self.scene.objects.values())
         land = [
@@ -109,76 +212,33 @@ class Renderer:
         return survey(self._device, land, level)
 
     def _warm_up(self) -> None:
-        """Draws everything once: the driver compiles each program at its first use, which takes a while."""
-        camera = next(iter(self.scene.cameras.values()), None)
-        if camera is None:
+        """Draws everything once: the driver compiles each program at its first use, which is slow."""
+        first = next(iter(self.scene.cameras.values()), None)
+        if first is None:
             return
-        self._device.begin(self._targets[camera.size], self._background)
+        self._device.begin(self._targets[first.size], self._background)
         self._solid.warm_up()
         for name in self.scene.cameras:
-            self.draw(name, self.hierarchy.start, 0.0, Picture(self.scene.cameras[name].size, name))
+            self.draw(name)
 
-    def _frame(self, name: str, world: Array, time: float) -> Frame:
+    def _frame(self, name: str, poses: Floats, time: float) -> Frame:
         camera = self.scene.cameras[name]
-        place = self.hierarchy.camera(name, world, time)
-        clip = view.projection(camera) @ view.view(place)
+        world = self.hierarchy.world(poses)
+        matrix = self.hierarchy.camera(name, world, time)
+        to_eye, to_clip = view.view(matrix), view.projection(camera)
         half = math.tan(camera.fov / 2)
-        tangents = half, half * camera.size[1] / camera.size[0]
-        return Frame(time, place, clip, tangents, 2 * half / camera.size[0], self._lighting.sun)
+        half_tangents = half, half * camera.size[1] / camera.size[0]
+        return Frame(
+            name, camera.size, camera.near, time, world, matrix, to_eye, to_clip, to_clip @ to_eye, half_tangents,
+            2 * half / camera.size[0], self._lighting.sun,
+        )  # fmt: skip
 
-    def draw(self, name: str, poses: Array, time: float, picture: Picture) -> Array:
-        """Draws what a camera sees into `picture`, which has its size; returns its matrix (4, 4) in the world.
-
-        poses: (n, 7) of all objects in the scene's order, each in its parent's frame; time in s.
-        """
-        size = self.scene.cameras[name].size
-        world = self.hierarchy.world(poses)
-        frame = self._frame(name, world, time)
-        target = self._targets[size]
-        self._device.begin(target, self._background)
-        self._solid.draw(frame, world)
-        if self._water is not None:
-            self._water.draw(frame, world)
-        if self._sky is not None:
-            self._sky.draw(frame, self._domes(frame, world))
-        if self._lines is not None:
-            self._lines.draw(frame.view_projection, size, self.scene.cameras[name].near)
-        if self._edges is not None:
-            self._wait()  # the pass fetches from the picture, and would wait for it without letting threads run
-            target = self._edges.draw(size)
-        self._wait()
-        target.read_into(picture.buffer, components=3, alignment=1, write_offset=picture.offset)
-        return frame.camera
-
-    def measure(self, name: str, poses: Array, time: float, depth: Picture, labels: Picture) -> Array:
-        """The same for how far away a camera's pixels are (32FC1, m along its optical axis, inf for the sky) and which
-        objects they show (16UC1, numbers from 1 in the scene's order, 0 for none)."""
-        if self._ranges is None:
-            self._ranges = RangePass(self._device)
-        world = self.hierarchy.world(poses)
-        frame = self._frame(name, world, time)
-        self._ranges.begin(self.scene.cameras[name].size, packed(frame.view_projection.T))
-        self._solid.measure(frame, world, self._ranges)
-        if self._water is not None:
-            self._water.measure(world, self._ranges)
-        self._wait()
-        self._ranges.read(depth, labels)
-        return frame.camera
-
-    def show(self, lines: Lines | None) -> None:
-        """Draws lines over the pictures from now on; none for None."""
-        if lines is not None and self._overlay is None:
-            self._overlay = LinePass(self._device)
-        if lines is not None and self._overlay is not None:
-            self._overlay.show(lines)
-        self._lines = None if lines is None else self._overlay
-
-    def adopt(self, scene: Scene) -> None:
-        """Goes on with the same scene with other cameras."""
-        self.scene = self.hierarchy.scene = scene
-        self._aim()
-
-    def _domes(self, frame: Frame, world: Array) -> Array:
-        """The middle of the sky's domes, (3,)."""
+    def _sky_center(self, frame: Frame) -> Floats:
+        """Center (3,) of the sky's domes in the world."""
         sky = self.scene.render.sky
-        return frame.eye if sky is None or sky.parent is None else self.hierarchy.place(world, sky.parent)[:3, 3]
+        return frame.eye if sky is None or sky.parent is None else self.hierarchy.matrix(frame.world, sky.parent)[:3, 3]
+
+
+def _time(state: "State", time: float | None) -> float:
+    """The given time in s, or that of the state if it is a World, else 0."""
+    return float(getattr(state, "time", 0.0)) if time is None else time

@@ -1,4 +1,4 @@
-"""Draws a scene at its start poses to a PNG, without ROS: python -m drone_render.snapshot SCENE --out x.png."""
+"""Draws a scene at its start poses to a PNG: python -m drone_render.snapshot SCENE --out x.png. Needs no ROS."""
 
 import argparse
 import sys
@@ -10,25 +10,12 @@ from pydantic import ValidationError
 from drone_engine.scene import loading as scenes
 from drone_engine.scene.errors import first_error
 from drone_engine.scene.picture import Camera
-from drone_render import context
-from drone_render.image import Picture
+from drone_render.gl.context import ContextError
 from drone_render.renderer import Renderer
 
 
-def draw(scene: scenes.Scene, camera: str, time: float = 0.0) -> Image.Image:
-    """The picture of a camera with every object where the scene puts it, at `time` in s."""
-    graphics = context.create()
-    try:
-        with Renderer(scene, graphics) as renderer:
-            picture = Picture(scene.cameras[camera].size, camera)
-            renderer.draw(camera, renderer.hierarchy.start, time, picture)
-            return Image.frombytes("RGB", scene.cameras[camera].size, picture.pixels())
-    finally:
-        graphics.release()
-
-
 def _resized(camera: Camera, size: tuple[int, ...]) -> Camera:
-    """The camera with another size in pixels. Raises ValueError for one that no scene may have."""
+    """The camera with another size in pixels. Raises ValueError for a size that scenes do not allow."""
     try:
         return Camera.model_validate({**dict(camera), "size": size})
     except ValidationError as error:
@@ -36,13 +23,14 @@ def _resized(camera: Camera, size: tuple[int, ...]) -> Camera:
 
 
 def main(args: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="drone_render.snapshot", description="Draws a scene as it starts.")
-    parser.add_argument("scene", help="name of a scene among the assets, or its file")
-    parser.add_argument("--camera", help="which camera; the first if not given")
+    """Runs the command line; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="drone_render.snapshot", description="Draws a scene at its start poses.")
+    parser.add_argument("scene", help="name of a shipped scene, or a scene file")
+    parser.add_argument("--camera", help="name of the camera; by default the first")
     parser.add_argument("--out", type=Path, default=Path("out/snapshot.png"), help="the PNG to write")
-    parser.add_argument("--time", type=float, default=0.0, help="simulated s; moves clouds, waves and orbits")
+    parser.add_argument("--time", type=float, default=0.0, help="simulated time in s; moves clouds, waves and orbits")
     parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"),
-                        help="pixels; the camera's own if not given")
+                        help="in pixels; by default the camera's own")
     options = parser.parse_args(args)
     try:
         scene = scenes.load(options.scene)
@@ -52,10 +40,11 @@ def main(args: list[str] | None = None) -> int:
         if options.size:
             resized = _resized(scene.cameras[camera], tuple(options.size))
             scene = scene.model_copy(update={"cameras": {**scene.cameras, camera: resized}})
-        image = draw(scene, camera, options.time)
+        with Renderer(scene) as renderer:
+            image = Image.fromarray(renderer.draw(camera, time=options.time))
         options.out.parent.mkdir(parents=True, exist_ok=True)
         image.save(options.out)
-    except (ValueError, OSError, context.ContextError) as error:
+    except (ValueError, OSError, ContextError) as error:
         print(f"snapshot: {error}", file=sys.stderr)
         return 1
     print(options.out)

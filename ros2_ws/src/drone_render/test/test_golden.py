@@ -1,7 +1,7 @@
-"""What each feature looks like. `GOLDEN=write pytest` draws the pictures anew; look at them before you keep them.
+"""Each feature looks like its golden picture. `GOLDEN=write pytest` writes them again; look at them before committing.
 
-On Mesa's software rasteriser pictures are compared pixel by pixel, with room for another version of it. On any other
-renderer their content is: blocks of pixels, which rounding, filters and the edges of triangles hardly change.
+On Mesa's software rasterizer pictures are compared pixel by pixel, with a tolerance for other versions of it. On other
+devices blocks of pixels are compared, which rounding, filters and the edges of triangles hardly change.
 """
 
 import os
@@ -13,18 +13,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drone_engine import Scene
-from drone_render import context
-from drone_render.image import Picture
-from drone_render.lines import Lines
+from drone_engine.scene.schema import Scene
+from drone_render.frame.lines import Lines
+from drone_render.gl import context
 from drone_render.renderer import Renderer
 
 from .drawing import Make, draw
 
 GOLDEN = Path(__file__).with_name("golden")
 FAILED = Path(tempfile.gettempdir()) / "golden"
-MEAN, FAR, FEW = 0.5, 12, 0.01  # of 255 on average; so far off may a small share of the pixels be
-BLOCK, BLOCK_OFF = 10, 12.0  # pixels; of 255, between other renderers and this one
+MEAN, FAR, FEW = 0.5, 12, 0.01  # of 255: mean difference; a share FEW of the pixels may differ by more than FAR
+BLOCK, BLOCK_OFF = 10, 12.0  # side of a block in pixels; difference of a block's mean, of 255, on other devices
 
 THINGS = """
 objects:
@@ -101,31 +100,22 @@ def test_the_debug_view_looks_as_before(make_scene: Make, graphics: moderngl.Con
     foot, tip, wings = (2.5, 0.2, -0.3), (2.5, 0.2, 0.3), [(2.5, y, 0.2) for y in (0.3, 0.1)]
     arrow = [(foot, tip), *((tip, wing) for wing in wings)]
     green, yellow = [0.2, 0.8, 0.3, 1.0], [1.0, 0.85, 0.0, 1.0]
-    colours = np.array([green] * len(ends) + [yellow] * 3)
-    lines = Lines.of(np.concatenate([ends, np.array(arrow)]), colours)._replace(
+    colors = np.array([green] * len(ends) + [yellow] * 3)
+    lines = Lines.of(np.concatenate([ends, np.array(arrow)]), colors)._replace(
         widths=np.repeat([3, 4], [len(ends), 3]),
-        centres=np.array([[3, -0.7, 0.2]], np.float32),
+        centers=np.array([[3, -0.7, 0.2]], np.float32),
         radii=np.array([0.5], np.float32),
-        ball_colours=np.array([[0.15, 0.75, 1.0, 0.2]], np.float32),
+        sphere_colors=np.array([[0.15, 0.75, 1.0, 0.2]], np.float32),
     )
-    picture = Picture((160, 120), "front")
     with Renderer(make_scene(FEATURES["antialiasing"]), graphics) as renderer:
         renderer.show(lines)
-        renderer.draw("front", renderer.hierarchy.start, 0.0, picture)
-    compare("debug", rgb(picture), graphics)
+        compare("debug", renderer.draw("front"), graphics)
 
 
 def test_depth_and_labels_look_as_before(make_scene: Make, graphics: moderngl.Context) -> None:
-    """Shown as grey: 30 cm a step, and 60 a label."""
+    """Shown in gray: 30 steps per m, and 60 per label."""
     scene: Scene = make_scene(FEATURES["ambient"])
-    depth, labels = Picture((160, 120), "front", "32FC1"), Picture((160, 120), "front", "16UC1")
     with Renderer(scene, graphics) as renderer:
-        renderer.measure("front", renderer.hierarchy.start, 0.0, depth, labels)
-    metres = np.frombuffer(depth.pixels(), np.float32).reshape(120, 160)
-    numbers = np.frombuffer(labels.pixels(), np.uint16).reshape(120, 160)
-    for name, grey in (("depth", np.minimum(metres * 30, 255)), ("labels", numbers * 60)):
-        compare(name, np.repeat(grey.astype(np.uint8)[..., None], 3, axis=2), graphics)
-
-
-def rgb(picture: Picture) -> np.ndarray:
-    return np.frombuffer(picture.pixels(), np.uint8).reshape(picture.height, picture.width, 3)
+        depth, labels = renderer.measure("front")
+    for name, gray in (("depth", np.minimum(depth * 30, 255)), ("labels", labels * 60)):
+        compare(name, np.repeat(gray.astype(np.uint8)[..., None], 3, axis=2), graphics)

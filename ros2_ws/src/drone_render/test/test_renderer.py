@@ -1,15 +1,15 @@
-"""What is in the picture, and what is in the programs that draw it."""
+"""Pictures of a scene: content, programs, and the states and contexts that a renderer accepts."""
+
+import subprocess
+import sys
 
 import moderngl
 import numpy as np
 import pytest
 
-from drone_engine.geometry import mesh
-from drone_render import view
-from drone_render.context import Device
-from drone_render.hierarchy import Hierarchy, Lighting
-from drone_render.renderer import Renderer
-from drone_render.shore import survey
+from drone_engine.world import World
+from drone_render import Renderer
+from drone_render.frame import poses, view
 
 from .drawing import Make, draw
 
@@ -41,7 +41,7 @@ cameras: {{front: {{size: [640, 480], pose: [-0.5, 0.2, 0.3, 0.05, -0.04, 0.1]}}
     rows, columns = np.indices(glow.shape)
     found = np.array([(columns * glow).sum(), (rows * glow).sum()]) / glow.sum()
     camera = scene.cameras["front"]
-    optical = np.linalg.inv(view.matrices(view.pose(camera.pose)) @ view.matrices(view.OPTICAL)) @ [*place, 1]
+    optical = np.linalg.inv(poses.matrices(poses.pose(camera.pose)) @ poses.matrices(view.OPTICAL)) @ [*place, 1]
     expected = view.intrinsics(camera) @ optical[:3]
     np.testing.assert_allclose(found, expected[:2] / expected[2], atol=0.5)
 
@@ -64,7 +64,7 @@ def test_two_draws_are_equal_bytes(make_scene: Make, graphics: moderngl.Context)
 
 
 def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, graphics: moderngl.Context) -> None:
-    words = ["normal_map", "mirrored", "clouds", "colours", "wave_phase"]
+    words = ["normal_map", "mirrored", "clouds", "colors", "wave_phase"]
     with Renderer(make_scene(EVERYTHING), graphics) as renderer:
         everything = "".join(source_in_use(text) for text in renderer.programs)
     assert all(word in everything for word in words)
@@ -102,118 +102,6 @@ def source_in_use(text: str) -> str:
     return "\n".join(kept)
 
 
-def test_an_object_is_not_lit_by_its_own_light(make_scene: Make, graphics: moderngl.Context) -> None:
-    scene = """
-objects:
-  ball: {model: ball, pose: [3, 0, 0], mass: 1}
-  part: {model: ball, parent: ball, pose: [0, 1.2, 0]}
-  other: {model: ball, pose: [3, -1.2, 0], mass: 1}
-lights: {lamp: {parent: ball, pose: [-2, 0, 0]}}
-cameras: {front: {size: [90, 60], fov: 1.2}}
-"""
-    picture = draw(make_scene(DARK + scene), graphics).sum(axis=2)
-    own, other = picture[:, :58], picture[:, 60:]
-    assert not own.any()  # nor by that of what it hangs on
-    assert other.max() > 300
-
-
-def test_a_far_beam_is_no_sun(make_scene: Make, graphics: moderngl.Context) -> None:
-    """It lights what it points at, and nothing else."""
-    scene = """
-objects: {ball: {model: ball, pose: [3, 0, 0], mass: 1}}
-lights: {lamp: {pose: [-300, 0, 0, 0, 0, YAW], beam: 0.05}}
-cameras: {front: {size: [90, 60]}}
-"""
-    towards, away = (draw(make_scene(DARK + scene.replace("YAW", yaw)), graphics) for yaw in ("0", "3.1415927"))
-    assert towards.max() > 100 and not away.any()
-
-
-def boxes(*middles: list[float]) -> np.ndarray:
-    """Matrices of boxes that are not turned."""
-    matrices = np.tile(np.eye(4), (len(middles), 1, 1))
-    matrices[:, :3, 3] = middles
-    return matrices
-
-
-def test_an_object_is_lit_by_its_four_strongest_lights(make_scene: Make) -> None:
-    lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, 3], reach: 2, intensity: 1}}" for i in range(9))
-    lights += "\n  sun: {pose: [0, 0, 90]}\n"
-    scene = make_scene(f"objects: {{ball: {{model: ball, mass: 1}}}}\nlights:\n{lights}")
-    hierarchy = Hierarchy(scene)
-    lighting = Lighting(hierarchy)
-    places = lighting.places(hierarchy.world(hierarchy.start))
-    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([0, 0, 0]), np.full((1, 3), 0.5))
-    assert list(chosen) == [0, 1, 2, 9]
-    (far,) = lighting.strongest(places, np.zeros(1, np.intp), boxes([500, 0, 0]), np.full((1, 3), 0.5))
-    assert list(far) == [9]  # the others have ended
-
-
-def test_lights_over_a_wide_floor_count_by_their_distance(make_scene: Make) -> None:
-    lights = "\n".join(f"  light_{i}: {{pose: [{i}, 0, {9 - 2 * i}], reach: 2}}" for i in range(5))
-    hierarchy = Hierarchy(make_scene(f"objects: {{floor: {{model: floor, static: true}}}}\nlights:\n{lights}"))
-    lighting = Lighting(hierarchy)
-    places = lighting.places(hierarchy.world(hierarchy.start))
-    turned = boxes([0, 0, 0])
-    turned[0, :3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]  # its thin side is up
-    (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), turned, np.array([[20, 0.1, 20]]))
-    assert list(chosen) == [1, 2, 3, 4]
-
-
-def test_only_what_is_far_away_is_the_sun(make_scene: Make, graphics: moderngl.Context) -> None:
-    scene = """
-render: {sky: {}}
-objects: {}
-lights: {lamp: {pose: [PLACE]}}
-cameras: {front: {size: [90, 60], fov: 1.2, pose: [0, 0, 0, 0, -0.5, 0]}}
-"""
-    far, near = (
-        draw(make_scene(scene.replace("PLACE", place)), graphics).astype(int) for place in ("900, 0, 492", "9, 0, 4.92")
-    )
-    assert far[30, 45].sum() > near[30, 45].sum() + 100  # only the one is seen as a disk
-
-
-def test_a_beam_lights_what_is_before_it(make_scene: Make, graphics: moderngl.Context) -> None:
-    scene = """
-objects:
-  screen: {model: lamp, pose: [3, 0, 0], mass: 1}
-  left: {model: ball, pose: [3, 1.2, 0], mass: 1}
-  right: {model: ball, pose: [3, -1.2, 0], mass: 1}
-lights: {screen: {parent: screen, pose: [0, 0, 0, 0, 0, 1.5707963], BEAM}}
-cameras: {front: {size: [90, 60], fov: 1.2}}
-"""
-    around = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50")), graphics).sum(axis=2)
-    half = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 1.5707963")), graphics).sum(axis=2)
-    narrow = draw(make_scene(DARK + scene.replace("BEAM", "reach: 50, beam: 0.3")), graphics).sum(axis=2)
-    assert around[:, 48:].max() > 300 and not half[:, 48:].any() and not narrow[:, 48:].any()
-    lit = [np.count_nonzero(picture[:, :40]) for picture in (around, half, narrow)]
-    assert lit[0] >= lit[1] > 2 * lit[2] > 0
-
-
-def test_no_beam_is_spent_on_what_it_misses(make_scene: Make) -> None:
-    scene = make_scene("""
-objects: {ball: {model: ball, mass: 1}}
-lights: {lamp: {pose: [0, 0, 3], beam: 0.5, reach: 20}, other: {pose: [0, 0, 3, 0, 1.5707963, 0], beam: 0.5, reach: 9}}
-""")
-    hierarchy = Hierarchy(scene)
-    lighting = Lighting(hierarchy)
-    places = lighting.places(hierarchy.world(hierarchy.start))
-    around = boxes([0, 0, 0], [5, 0, 3], [0, 0, 3.1])
-    chosen = lighting.strongest(places, np.zeros(3, np.intp), around, np.full((3, 3), 0.3))
-    assert [list(numbers) for numbers in chosen] == [[1], [0], [0, 1]]
-
-
-def test_children_move_with_their_parents(make_scene: Make) -> None:
-    scene = make_scene("""
-objects:
-  tip: {model: lamp, parent: arm, pose: [1, 0, 0]}
-  arm: {model: lamp, parent: body, pose: [0, 0, 1, 0, 0, 1.5707963267948966]}
-  body: {model: ball, pose: [5, 0, 0, 0, 0, 1.5707963267948966], mass: 1}
-""")
-    hierarchy = Hierarchy(scene)
-    world = hierarchy.world(hierarchy.start)
-    np.testing.assert_allclose(hierarchy.place(world, "tip")[:3, 3], [4, 0, 1], atol=1e-9)
-
-
 def test_fewer_triangles_are_hardly_seen(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = make_scene("""
 objects: {ball: {model: ball, mass: 1, poses: [[3, 0.7, 0], [6, -1, 0], [12, 0, 1], [25, 3, -1]]}}
@@ -226,41 +114,56 @@ cameras: {front: {size: [320, 240]}}
     assert np.abs(draw(scene, graphics, tolerance=30.0) - full).mean() > 2 * fewer
 
 
-def test_edges_are_smoothed_and_faces_stay_sharp(make_scene: Make, graphics: moderngl.Context) -> None:
-    text = """
-render: {ambient: [0.5, 0.5, 0.5]ANTIALIASING}
-objects: {crate: {model: crate, mass: 1, pose: [3, 0, 0, 0.3, 0, 0]}}
-cameras: {front: {size: [160, 120]}}
-"""
-    plain = draw(make_scene(text.replace("ANTIALIASING", "")), graphics).astype(float)
-    smooth = draw(make_scene(text.replace("ANTIALIASING", ", antialiasing: {}")), graphics).astype(float)
-    background = plain[0, 0]
-    thing = np.abs(plain - background).sum(axis=2) > 0
-    inside = thing.copy()
-    for axis in (0, 1):
-        for step in (-1, 1):
-            inside &= np.roll(thing, step, axis)
-    np.testing.assert_array_equal(smooth[inside], plain[inside])
-    steps = [np.abs(np.diff(picture.sum(axis=2), axis=1))[~inside[:, 1:]].max() for picture in (plain, smooth)]
-    assert steps[1] < 0.75 * steps[0]
-
-
 def test_a_scene_can_be_switched_on_one_context(make_scene: Make, graphics: moderngl.Context) -> None:
     picture = draw(make_scene(EVERYTHING), graphics)
     draw(make_scene(DARK + "objects: {ball: {model: ball, mass: 1}}\ncameras: {front: {}}\n"), graphics)
     np.testing.assert_array_equal(picture, draw(make_scene(EVERYTHING), graphics))
 
 
-@pytest.mark.parametrize("level", [0.0, 4000.0])
-def test_water_is_clear_where_land_is_near(level: float, make_scene: Make, graphics: moderngl.Context) -> None:
-    device = Device(graphics)
-    model = mesh.load(make_scene("objects: {floor: {model: crate, mass: 1}}").model_path("floor"))
-    far, near = np.eye(4), np.eye(4)
-    far[:3, 3], near[:3, 3] = (-10, 0, level - 9), (10, 0, level - 0.4)
-    shore = survey(device, [(model, far), (model, near)], level)
-    assert shore is not None and shore.square[:2] == (0, 0)
-    clear = np.frombuffer(shore.texture.read(), np.uint8).reshape(shore.texture.size)
-    device.release()
-    middle = len(clear) // 2
-    assert clear[middle].nonzero()[0].min() > middle  # the block at x = 10 alone; the other lies too deep
-    assert clear.max() == 255
+def test_a_world_is_drawn_where_its_bodies_are(make_scene: Make) -> None:
+    scene = make_scene("effects: {gravity: {}}" + EVERYTHING)
+    world = World(scene)
+    world.run(12)
+    with Renderer(scene) as renderer:
+        now = renderer.draw("front", world)
+        by_name = renderer.draw("front", {name: world.pose(name) for name in ("crate", "ball")}, world.time)
+        start = renderer.draw("front", time=world.time)
+    assert now.shape == (120, 160, 3) and now.dtype == np.uint8
+    np.testing.assert_array_equal(by_name, now)
+    assert np.abs(now.astype(int) - start).mean() > 1
+
+
+def test_two_renderers_take_turns_on_their_own_contexts(make_scene: Make) -> None:
+    scene, other = make_scene(EVERYTHING), make_scene(EVERYTHING.replace("pose: [3, 1, 0.5]", "pose: [3, -1, 0.5]"))
+    with Renderer(scene) as first, Renderer(other) as second:
+        pictures = [renderer.draw("front") for _ in range(2) for renderer in (first, second)]
+        second.release()
+        again = first.draw("front")
+    np.testing.assert_array_equal(pictures[0], pictures[2])
+    np.testing.assert_array_equal(pictures[1], pictures[3])
+    np.testing.assert_array_equal(pictures[0], again)
+    assert (pictures[0] != pictures[1]).any()
+
+
+def test_an_unknown_camera_is_an_error_that_lists_the_cameras(make_scene: Make, graphics: moderngl.Context) -> None:
+    with Renderer(make_scene(EVERYTHING), graphics) as renderer:
+        with pytest.raises(ValueError, match=r"^no camera 'back' in the scene 'test'; there are front$"):
+            renderer.draw("back")
+        with pytest.raises(ValueError, match="no camera 'back'"):
+            renderer.measure("back")
+
+
+def test_drawing_imports_no_ros() -> None:
+    """Nor drone_sim, whose wire format is the node's."""
+    program = """
+import sys
+from drone_engine import load
+from drone_render import Film, Lines, Renderer
+with Renderer(load("ring")) as renderer:
+    renderer.draw("chase"), renderer.measure("chase")
+found = {name.partition(".")[0] for name in sys.modules}
+ros = [name for name in found if name.startswith(("rclpy", "ament", "rosidl")) or name.endswith(("_msgs", "_srvs"))]
+assert not ros and not found & {"drone_sim", "drone_interfaces"}, ros
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,1 @@
+"""Everything that uses OpenGL: the context, shader programs, and the passes that draw a picture."""

@@ -1,0 +1,1 @@
+"""The parts of the node: messages, topics and services."""

@@ -1,6 +1,0 @@
-in float height;
-out float pixel;
-
-void main() {
-    pixel = height;
-}
