@@ -70,11 +70,10 @@ class Drawer:
         camera = self._scene.cameras["eye"].model_copy(update={"size": (width, height), "fov": across})
         scene = self._scene.model_copy(update={"cameras": {"eye": camera}})
         renderer = self._renderer = Renderer(scene, self._graphics)
-        picture = Picture((width, height), "eye")
-        rows = np.frombuffer(picture.buffer, np.uint8, offset=picture.offset).reshape(height, width, 3)
+        rows = np.empty((height, width, 3), np.uint8)
 
         def frame(number: float) -> Bytes:
-            renderer.draw("eye", renderer.hierarchy.start, number, picture)
+            renderer.draw_into(rows, "eye", renderer.hierarchy.start, number)
             return rows
 
         return frame

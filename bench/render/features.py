@@ -34,18 +34,19 @@ class Camera:
 
     def __init__(self, scene: Scene, graphics: Any, views: tuple[str, ...] = VIEWS, **words: float) -> None:
         self._renderer = Renderer(scene, graphics, **words)
-        self._pictures = {name: Picture(scene.cameras[name].size, name) for name in views}
+        sizes = {name: scene.cameras[name].size for name in views}
+        self._pictures = {name: np.empty((height, width, 3), np.uint8) for name, (width, height) in sizes.items()}
         self._count = 0
 
     def draw(self) -> None:
         """Every view once, a little later than before."""
         self._count += 1
         for name, picture in self._pictures.items():
-            self._renderer.draw(name, self._renderer.hierarchy.start, self._count / 60, picture)
+            self._renderer.draw_into(picture, name, self._renderer.hierarchy.start, self._count / 60)
 
     def spread(self) -> float:
         """How far the pixels of the last pictures are from one gray, at least."""
-        return min(float(np.frombuffer(picture.pixels(), np.uint8).std()) for picture in self._pictures.values())
+        return min(float(picture.std()) for picture in self._pictures.values())
 
     @property
     def count(self) -> int:
@@ -73,15 +74,16 @@ class Ranges(Camera):
 
     def __init__(self, scene: Scene, graphics: Any) -> None:
         super().__init__(scene, graphics)
-        size = {name: scene.cameras[name].size for name in VIEWS}
-        self._ranges = {name: [Picture(size[name], name, kind) for kind in ("32FC1", "16UC1")] for name in VIEWS}
+        sizes = {name: scene.cameras[name].size for name in VIEWS}
+        self._images = {name: (np.empty((height, width), np.float32), np.empty((height, width), np.uint16))
+                        for name, (width, height) in sizes.items()}
 
     def draw(self) -> None:
-        for name, pair in self._ranges.items():
-            self._renderer.measure(name, self._renderer.hierarchy.start, 0.0, *pair)
+        for name, images in self._images.items():
+            self._renderer.measure_into(*images, name, self._renderer.hierarchy.start, 0.0)
 
     def spread(self) -> float:
-        return 10.0 * min(len(np.unique(np.frombuffer(pair[1].pixels(), np.uint16))) for pair in self._ranges.values())
+        return 10.0 * min(len(np.unique(labels)) for _, labels in self._images.values())
 
 
 def rows(rounds: int) -> Iterator[Row]:

@@ -13,13 +13,10 @@ from scipy.interpolate import CubicSpline
 from drone_ai.pilot import Observation, Pilot
 from drone_engine import Scene, load
 from drone_engine.arrays import Floats
-from drone_engine.math.poses import compose
 from drone_engine.world import Command, World
-from drone_render.gl import context
 from drone_render.film import Film
-from drone_render.frame.history import History, Moment, State
+from drone_render.frame.history import SECOND, History, Moment, State
 from drone_render.renderer import Renderer
-from drone_sim.wire.cdr import SECOND
 from figures import DOCS
 
 OUT = DOCS / "figures"
@@ -79,14 +76,6 @@ class Flight:
         x, y, z, w = (float(value) for value in pose[3:])
         return pose[:3], math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
-    def poses(self) -> tuple[list[str], Floats]:
-        """Names and poses (n, 7), in their parents' frames, of all that moves."""
-        rotors, angle = self.world.model.rotors, self.world.state.rotor_angle / 2
-        turn = np.zeros((len(angle), 7))
-        turn[:, 5], turn[:, 6] = np.sin(angle), np.cos(angle)
-        names = [*self.world.model.bodies.names, *rotors.names]
-        return names, np.vstack([self.world.object_poses(), compose(rotors.pose_p, turn)])
-
 
 def main() -> None:
     scene = load("island").with_cameras(CAMERAS)
@@ -96,28 +85,27 @@ def main() -> None:
     flight = Flight(scene)
     film = Film(OUT / "island.mp4", SIZE, RATE)
     frames: dict[str, list[Image.Image]] = {}
-    graphics = context.create()
     try:
-        with Renderer(scene, graphics) as renderer:
-            history = History(renderer.hierarchy.names, renderer.hierarchy.start)
-            history.push(0, *flight.poses())
+        with Renderer(scene) as renderer:
+            hierarchy = renderer.hierarchy
+            history = History(hierarchy.names, hierarchy.start)
+            history.push(0, hierarchy.names, hierarchy.poses(flight.world))
             states: tuple[State, State] | None = None
             for k in track(range(round(DURATION * RATE)), "filming"):
                 time = k / RATE
                 while flight.world.time < time + 1e-9:
                     flight.step()
-                    states = history.push(round(flight.world.time * SECOND), *flight.poses()) or states
+                    poses = hierarchy.poses(flight.world)
+                    states = history.push(round(flight.world.time * SECOND), hierarchy.names, poses) or states
                 assert states is not None
                 camera = next(name for start, name in reversed(CUTS) if start <= time)
-                picture = Picture(SIZE, camera)
-                renderer.draw(camera, Moment(round(time * SECOND), *states).poses(), time, picture)
-                film.add(picture.pixels())
+                picture = renderer.draw(camera, Moment(round(time * SECOND), *states).poses(), time)
+                film.add(picture)
                 if k % GIF_EVERY == 0:
-                    image = Image.frombytes("RGB", SIZE, picture.pixels())
+                    image = Image.fromarray(picture)
                     frames.setdefault(camera, []).append(image.resize(GIF_SIZE, Image.Resampling.LANCZOS))
     finally:
         film.close()
-        graphics.release()
     drawn = [frame for cut in frames.values() for frame in _reduced(cut)]
     times = [GIF_TIMES[i % len(GIF_TIMES)] for i in range(len(drawn))]
     drawn[0].save(OUT / "island.gif", save_all=True, append_images=drawn[1:], duration=times, loop=0)

@@ -7,16 +7,12 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.progress import Progress
 
 from drone_engine import Scene, load
-from drone_engine.arrays import Floats
-from drone_engine.math.poses import compose
 from drone_engine.scene.schema import Collision
 from drone_engine.world import Command, World
-from drone_render.gl import context
 from drone_render.film import Film
 from drone_render.renderer import Renderer
 from figures import DOCS
@@ -47,27 +43,14 @@ def at_level(scene: Scene, level: str) -> Scene:
     return scene.model_copy(update={"collision": Collision.model_validate({"level": level})})
 
 
-def poses(world: World, hierarchy: Hierarchy) -> Floats:
-    """Poses (n, 7) of all objects in the scene's order, each in its parent's frame."""
-    result = hierarchy.start.copy()
-    rotors, angle = world.model.rotors, world.state.rotor_angle / 2
-    turn = np.zeros((len(angle), 7))
-    turn[:, 5], turn[:, 6] = np.sin(angle), np.cos(angle)
-    names = [*world.model.bodies.names, *rotors.names]
-    result[[hierarchy.names.index(name) for name in names]] = [*world.object_poses(), *compose(rotors.pose_p, turn)]
-    return result
-
-
 def tiles(scene: Scene, renderer: Renderer) -> Iterator[Image.Image]:
     """A picture of all levels for each step of the flight."""
     worlds = {level: World(at_level(scene, level)) for level in LEVELS}
-    picture = Picture(TILE, CAMERA)
     for step in range(round(DURATION * scene.rates.physics)):
         sheet = Image.new("RGB", (2 * TILE[0], 2 * TILE[1]))
         for i, (level, world) in enumerate(worlds.items()):
             world.step({DRONE: command(step * world.dt)})
-            renderer.draw(CAMERA, poses(world, renderer.hierarchy), world.time, picture)
-            tile = Image.frombytes("RGB", TILE, picture.pixels())
+            tile = Image.fromarray(renderer.draw(CAMERA, world))
             write_label(tile, level, touches(world))
             sheet.paste(tile, (i % 2 * TILE[0], i // 2 * TILE[1]))
         lines = ImageDraw.Draw(sheet)
@@ -114,16 +97,14 @@ def main() -> None:
     rate = scene.rates.physics
     film = Film(options.out / "levels.mp4", (2 * TILE[0], 2 * TILE[1]), round(rate))
     sheets = []
-    graphics = context.create()
     try:
-        with Renderer(scene, graphics) as renderer, Progress() as progress:
+        with Renderer(scene) as renderer, Progress() as progress:
             for i, sheet in enumerate(progress.track(tiles(scene, renderer), DURATION * rate, description="filming")):
                 film.add(sheet.tobytes())
                 if i % GIF_EVERY == 0:
                     sheets.append(sheet.resize(GIF_SIZE, Image.Resampling.LANCZOS))
     finally:
         film.close()
-        graphics.release()
     write_gif(sheets, rate / GIF_EVERY, options.out / "levels.gif")
     print(options.out)
 

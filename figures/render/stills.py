@@ -15,10 +15,9 @@ from drone_engine import Scene, load
 from drone_engine.arrays import Floats
 from drone_engine.scene.schema import ObjectCollision
 from drone_engine.world import World
-from drone_render.gl import context
+from drone_render.frame.poses import pose
 from drone_render.node.markers import read_markers
 from drone_render.renderer import Renderer
-from drone_render.frame.poses import pose
 from drone_sim.wire.markers import Markers
 from figures import DOCS
 from figures.style import INK
@@ -37,24 +36,18 @@ def island(camera: str, **render: Any) -> Scene:
 
 def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | None = None) -> Image.Image:
     """What the camera 'figure' sees: objects where the scene has them, at `places`, or where a world has them."""
-    graphics = context.create()
-    try:
-        with Renderer(scene, graphics) as renderer:
-            poses = renderer.hierarchy.start.copy()
-            for name, place in places.items():
-                poses[renderer.hierarchy.names.index(name)] = pose((*place, 0.0, 0.0, 0.0)[:6])  # type: ignore[arg-type]
-            if world is not None:
-                for name, row in zip(world.model.bodies.names, world.object_poses(), strict=True):
-                    poses[renderer.hierarchy.names.index(name)] = row
-            if world is not None and scene.description == "debug":
-                shapes = read_markers(Markers(world).message(0))
-                renderer.show(shapes.placed(renderer.hierarchy.names, renderer.hierarchy.world(poses)))
-            _turn_rotors(scene, poses, renderer.hierarchy.names, time)
-            picture = Picture(scene.cameras["figure"].size, "figure")
-            renderer.draw("figure", poses, time, picture)
-            return Image.frombytes("RGB", (picture.width, picture.height), picture.pixels())
-    finally:
-        graphics.release()
+    with Renderer(scene) as renderer:
+        poses = renderer.hierarchy.start.copy()
+        for name, place in places.items():
+            poses[renderer.hierarchy.names.index(name)] = pose((*place, 0.0, 0.0, 0.0)[:6])  # type: ignore[arg-type]
+        if world is not None:
+            for name, row in zip(world.model.bodies.names, world.object_poses(), strict=True):
+                poses[renderer.hierarchy.names.index(name)] = row
+        if world is not None and scene.description == "debug":
+            shapes = read_markers(Markers(world).message(0))
+            renderer.show(shapes.placed(renderer.hierarchy.names, renderer.hierarchy.world(poses)))
+        _turn_rotors(scene, poses, renderer.hierarchy.names, time)
+        return Image.fromarray(renderer.draw("figure", poses, time))
 
 
 def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: float) -> None:

@@ -54,7 +54,7 @@ def test_plain_colcon_builds_every_package(tmp_path: Path) -> None:
     assert list((tmp_path / "install/drone_sim").glob("lib/python3*/site-packages/drone_sim/node/fastdds.xml"))
     shaders = list((tmp_path / "install/drone_render").rglob("*.frag"))
     assert {shader.name for shader in shaders} == {
-        path.name for path in (ROOT / "ros2_ws/src/drone_render/drone_render/shaders").glob("*.frag")}
+        path.name for path in (ROOT / "ros2_ws/src/drone_render/drone_render/gl/shaders").glob("*.frag")}
     for command in ("topic", "drone_engine"):
         shell = f". {tmp_path / 'install/local_setup.sh'} && command -v {command} && {command} --help"
         result = subprocess.run(["sh", "-c", shell], cwd=tmp_path / "install", env=environment | {"PYTHONPATH": ""},

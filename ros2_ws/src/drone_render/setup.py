@@ -1,21 +1,22 @@
-from setuptools import find_packages, setup
+"""Metadata is in pyproject.toml and package.xml; this adds what colcon and the ament index need."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import setup
 
 package = "drone_render"
+manifest = ElementTree.parse(Path(__file__).resolve().with_name("package.xml"))
 
 setup(
-    name=package,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package: ["shaders/*", "fastdds.xml"]},
+    version=manifest.findtext("version"),
+    license=manifest.findtext("license"),
+    python_requires=">=3.11,<3.14",
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
-    maintainer="The drone simulator developers",
-    maintainer_email="drone-sim@example.org",
-    description="The picture: draws the scene off-screen and publishes camera images.",
-    license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "render_node = drone_render.render_node:main",

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drone_engine.arrays import Floats
+from drone_engine.math.poses import compose, poses_from_rpy
 from drone_engine.scene.schema import Scene
-from drone_render.frame.poses import matrices, pose
+from drone_render.frame.poses import matrices
 from drone_render.frame.view import camera_matrix
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ class Hierarchy:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.names = tuple(scene.objects)
-        self.start = np.array([pose(thing.pose) for thing in scene.objects.values()]).reshape(-1, 7)
+        self.start = poses_from_rpy(thing.pose for thing in scene.objects.values())
         """Poses (n, 7) in the scene file."""
         row = {name: i for i, name in enumerate(self.names)}
         depths: dict[int, list[int]] = {}
@@ -86,8 +87,6 @@ class Hierarchy:
 
 def _world_poses(world: "World") -> dict[str, Floats]:
     """Poses (7,) of the bodies and rotors of a World by name, each in its parent's frame."""
-    from drone_engine.math.rotation import compose  # not needed by the node, which has poses already
-
     rotors, half_angle = world.model.rotors, world.state.rotor_angle / 2
     rotation = np.zeros((len(half_angle), 7))
     rotation[:, 5], rotation[:, 6] = np.sin(half_angle), np.cos(half_angle)

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats
+from drone_engine.math.poses import poses_from_rpy
 from drone_render.arrays import Float32s, Indices
 from drone_render.frame import daylight
 from drone_render.frame.frame import Sun
 from drone_render.frame.hierarchy import Hierarchy
-from drone_render.frame.poses import matrices, pose
+from drone_render.frame.poses import matrices
 
 MAX_LIGHTS = 4  # per surface beside the sun; the varyings of a triangle have room for six at most
 CUTOFF = 1 / 128  # share of a light's brightness; where less is left, the light ends
@@ -24,7 +25,7 @@ class Lighting:
         lights = list(hierarchy.scene.lights.values())
         self._hierarchy = hierarchy
         self._parents = [light.parent for light in lights]
-        self._offsets = matrices(np.array([pose(light.pose) for light in lights]).reshape(-1, 7))
+        self._offsets = matrices(poses_from_rpy(light.pose for light in lights))
         edge_cosines = np.cos([np.pi if light.beam is None else light.beam for light in lights])
         self.beams = any(light.beam is not None for light in lights)
         """Whether any light is a beam."""

@@ -4,11 +4,11 @@ A pose is (..., 7) float64: x y z in m and a unit quaternion x y z w, of a child
 (..., 4, 4), transforms column vectors, and leads from the child's frame to the parent's.
 """
 
-import math
-
 import numpy as np
 
 from drone_engine.arrays import Floats
+from drone_engine.math.poses import matrices as rotation_matrices
+from drone_engine.math.poses import poses_from_rpy
 from drone_engine.scene.fields import Pose
 
 ORIGIN = np.array([0.0, 0, 0, 0, 0, 0, 1])
@@ -16,28 +16,14 @@ ORIGIN = np.array([0.0, 0, 0, 0, 0, 0, 1])
 
 def pose(numbers: Pose) -> Floats:
     """Pose (7,) of x, y, z in m and roll, pitch, yaw in rad, as scene files have them."""
-    x, y, z, roll, pitch, yaw = numbers
-    (sr, sp, sy), (cr, cp, cy) = ([turn(half / 2) for half in (roll, pitch, yaw)] for turn in (math.sin, math.cos))
-    return np.array([
-        x, y, z,
-        sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy,
-    ])  # fmt: skip
+    row: Floats = poses_from_rpy([numbers])[0]
+    return row
 
 
 def matrices(poses: Floats) -> Floats:
     """Matrices (..., 4, 4) of poses (..., 7)."""
-    x, y, z, w = np.moveaxis(poses[..., 3:], -1, 0)
     result = np.zeros((*poses.shape[:-1], 4, 4))
-    result[..., 0, 0] = 1 - 2 * (y * y + z * z)
-    result[..., 0, 1] = 2 * (x * y - z * w)
-    result[..., 0, 2] = 2 * (x * z + y * w)
-    result[..., 1, 0] = 2 * (x * y + z * w)
-    result[..., 1, 1] = 1 - 2 * (x * x + z * z)
-    result[..., 1, 2] = 2 * (y * z - x * w)
-    result[..., 2, 0] = 2 * (x * z - y * w)
-    result[..., 2, 1] = 2 * (y * z + x * w)
-    result[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    result[..., :3, :3] = rotation_matrices(poses[..., 3:])
     result[..., :3, 3] = poses[..., :3]
     result[..., 3, 3] = 1.0
     return result
