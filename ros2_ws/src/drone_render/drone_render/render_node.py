@@ -1,7 +1,5 @@
 """The node that draws: follows the scene and the poses of the simulation, and publishes the pictures of its cameras."""
 
-import logging
-import signal
 import sys
 import threading
 import time
@@ -10,16 +8,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from drone_interfaces.msg import Scene as SceneMessage
 from PIL import Image as PillowImage
-from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
@@ -35,10 +28,11 @@ from drone_render.node.debug_view import DebugView
 from drone_render.node.diagnostics import diagnostics
 from drone_render.node.save_image import Request, SaveImage
 from drone_render.renderer import Renderer
-from drone_sim.node.process import ENDS, PARAMETER_ERRORS, NodeLog
+from drone_sim.node.parameters import Parameters
+from drone_sim.node.process import Stop, run, spinning
+from drone_sim.node.qos import LATCHED, RELIABLE
 from drone_sim.wire.cdr import SECOND, Transforms, read_transforms
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MAX_EARLY_STATES = 10_000  # kept for a film while its scene is being loaded
 SWITCH_INTERVAL = 0.0005  # s; with Python's 5 ms the drawing thread would wait for the ROS thread a third of the time
 FINISH_TIMEOUT = 1.0  # s, for the remaining pictures of a film after Ctrl-C
@@ -49,17 +43,12 @@ class RenderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("drone_render")
-        film = self._text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
-        rate = self.declare_parameter(
-            "film_rate", 30,
-            ParameterDescriptor(description="pictures per simulated second of the film", read_only=True,
-                                integer_range=[IntegerRange(from_value=1, to_value=240, step=1)]),
-        ).get_parameter_value().integer_value  # fmt: skip
-        self._reel = Reel(film, rate)
-        self._wanted_camera = self._text("camera", "", "camera selected at the start; the scene's first if empty")
-        image_dir = Path(self._text("image_dir", "out", "folder for the images that ~/save_image writes"))
+        parameters = Parameters(self)
+        film = parameters.text("film", "", "film to make of the selected camera, .mp4 or .gif; none if empty")
+        self._reel = Reel(film, parameters.integer("film_rate", 30, 1, 240, "pictures per simulated second"))
+        self._wanted_camera = parameters.text("camera", "", "camera selected at the start; the scene's first if empty")
+        image_dir = Path(parameters.text("image_dir", "out", "folder for the images that ~/save_image writes"))
 
-        logging.getLogger("drone_engine").addHandler(NodeLog(self.get_logger()))  # warnings about models
         self._graphics = context.create()
         self.get_logger().info(f"drawing on {context.device_name(self._graphics)}")
         self._changed = threading.Condition()
@@ -71,13 +60,13 @@ class RenderNode(Node):
         self._renderer: Renderer | None = None
         self._hash = ""
         self._selected = ""
-        self._publishers: dict[str, CameraPublisher] = {}
+        self._cameras: dict[str, CameraPublisher] = {}
         self._drawn = 0
         self._publishing = ThreadPoolExecutor(1, "publish")  # while the next picture is drawn
         self._published: Future[None] = self._publishing.submit(lambda: None)
 
         self.create_subscription(SceneMessage, "scene", self._on_scene, LATCHED)
-        self.create_subscription(TFMessage, "tf", self._on_tf, QoSProfile(depth=100), raw=True)
+        self.create_subscription(TFMessage, "tf", self._on_tf, RELIABLE, raw=True)
         self.create_subscription(String, "camera/select", self._on_select, LATCHED)
         self.create_subscription(String, "camera/add", self._on_add, 10)
         self._saving = SaveImage(self, image_dir, self._changed)
@@ -86,10 +75,6 @@ class RenderNode(Node):
         self._tf_static = self.create_publisher(TFMessage, "tf_static", LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", 10)
         self.create_timer(1.0, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
-
-    def _text(self, name: str, default: str, description: str) -> str:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        return str(self.declare_parameter(name, default, descriptor).value)
 
     # Callbacks, in the thread of ROS.
 
@@ -118,10 +103,10 @@ class RenderNode(Node):
     def _select(self, name: str) -> None:
         if self._schedule is None or (self._wanted_scene and self._wanted_scene.hash != self._hash):  # loading
             self._wanted_camera = name
-        elif name in self._publishers:
+        elif name in self._cameras:
             self._selected = self._wanted_camera = name
         else:
-            known = ", ".join(self._publishers) or "none"
+            known = ", ".join(self._cameras) or "none"
             self.get_logger().warning(f"camera/select: no camera '{name}'; there are {known}")
 
     def _on_add(self, message: String) -> None:
@@ -135,14 +120,22 @@ class RenderNode(Node):
             if self._schedule is not None:
                 dropped, now = self._schedule.dropped, self._schedule.history.latest.stamp
             values = {"frames drawn": self._drawn, "frames dropped": dropped, "selected": self._selected}
-            times = [value for publisher in self._publishers.values() for value in publisher.report()]
-            drawing = self._renderer is not None
-        self._diagnostics.publish(diagnostics(context.device_name(self._graphics), drawing, now, values, times))
+            times = [value for publisher in self._cameras.values() for value in publisher.report()]
+        name, drawing = context.device_name(self._graphics), self._renderer is not None
+        self._diagnostics.publish(diagnostics(name, drawing, now, values, times))
 
     # Drawing, in the thread that owns the context.
 
-    def run(self, stop: threading.Event) -> None:
-        """Draws until `stop` is set."""
+    def run(self, stop: Stop) -> None:
+        """Draws until `stop` is set, and then the rest of the film."""
+        try:
+            with spinning(self, stop):
+                mesh.prepare()  # done while the simulation starts, which takes longer
+                self._draw_until(stop)
+        finally:
+            self._close(stop)
+
+    def _draw_until(self, stop: Stop) -> None:
         while not stop.is_set():
             with self._changed:
                 now = time.monotonic()
@@ -163,16 +156,15 @@ class RenderNode(Node):
             if due is not None:
                 self._draw(due)
         with self._changed:
-            requests = self._saving.take()
-        for request in requests:
-            request.done.set()
+            for request in self._saving.take():
+                request.done.set()
 
-    def close(self, quick: threading.Event) -> None:
-        """Draws the rest of the film, within FINISH_TIMEOUT once `quick` is set, and frees the device."""
+    def _close(self, stop: Stop) -> None:
+        """Draws the rest of the film, within FINISH_TIMEOUT after Ctrl-C, and frees the device."""
         self._publishing.shutdown()
         try:
             if self._schedule is not None:
-                self._draw_film(self._schedule, quick)
+                self._draw_film(self._schedule, stop)
         finally:
             try:
                 if made := self._reel.close():
@@ -183,13 +175,13 @@ class RenderNode(Node):
                 self._renderer.release()
             self._graphics.release()
 
-    def _draw_film(self, schedule: Schedule, quick: threading.Event | None = None) -> None:
+    def _draw_film(self, schedule: Schedule, stop: Stop | None = None) -> None:
         """Draws the remaining pictures of the film, if there is one."""
         until = np.inf
         while self._reel.path and time.monotonic() < until and (due := schedule.pop(np.inf)):
             due.live = False
             self._draw(due)
-            if quick is not None and quick.is_set() and until == np.inf:
+            if stop is not None and stop.interrupted and until == np.inf:
                 until = time.monotonic() + FINISH_TIMEOUT
 
     def _switch(self, message: SceneMessage) -> None:
@@ -215,7 +207,7 @@ class RenderNode(Node):
         film = float(self._reel.rate) if self._reel.path else None
         hierarchy = renderer.hierarchy
         self._published.result()
-        for publisher in self._publishers.values():
+        for publisher in self._cameras.values():
             publisher.close()
         with self._changed:
             self._renderer, self._hash = renderer, message.hash
@@ -223,8 +215,8 @@ class RenderNode(Node):
             for state in self._early:
                 self._schedule.push(state.stamp_ns, state.children, state.poses, time.monotonic())
             self._early.clear()
-            self._publishers = {name: CameraPublisher(self, name, camera) for name, camera in scene.cameras.items()}
-            self._selected = next(iter(self._publishers), "")
+            self._cameras = {name: CameraPublisher(self, name, camera) for name, camera in scene.cameras.items()}
+            self._selected = next(iter(self._cameras), "")
             if self._wanted_camera:
                 self._select(self._wanted_camera)
         if old is not None:
@@ -249,17 +241,17 @@ class RenderNode(Node):
         self._published.result()
         with self._changed:
             for name, camera in changed.items():
-                if name in self._publishers:
-                    self._publishers[name].close()
-                self._publishers[name] = CameraPublisher(self, name, camera)
+                if name in self._cameras:
+                    self._cameras[name].close()
+                self._cameras[name] = CameraPublisher(self, name, camera)
                 self.get_logger().info(f"camera/add: {'another' if name in old else 'a new'} camera '{name}'")
-            self._selected = self._selected or next(iter(self._publishers), "")
+            self._selected = self._selected or next(iter(self._cameras), "")
         self._tf_static.publish(static_transforms(cameras))
 
     def _draw(self, due: Due) -> None:
         """Draws the cameras that have subscribers or are filmed, at one moment."""
         poses = due.moment.poses()
-        for name, publisher in self._publishers.items():
+        for name, publisher in self._cameras.items():
             filmed = due.film and name == self._selected
             drawn = filmed or (due.live and publisher.needs_picture())
             if drawn:
@@ -267,7 +259,7 @@ class RenderNode(Node):
             if filmed:
                 self._add_to_film(publisher.picture)
             if due.live and publisher.needs_depth():
-                self._draw_depth(name, publisher, poses, due.moment.stamp, camera_published=drawn)
+                self._draw_depth(name, publisher, poses, due.moment.stamp, published=drawn)
 
     def _draw_picture(self, name: str, publisher: CameraPublisher, poses: Floats, stamp: int, live: bool) -> None:
         """Draws one picture and, if it is live, publishes it."""
@@ -284,17 +276,15 @@ class RenderNode(Node):
             self._published.result()
             self._published = self._publishing.submit(publisher.publish, stamp, matrix, picture.message(stamp))
 
-    def _draw_depth(
-        self, name: str, publisher: CameraPublisher, poses: Floats, stamp: int, camera_published: bool
-    ) -> None:
-        """Draws and publishes depth and labels; camera_published: whether `_draw_picture` published the transform."""
+    def _draw_depth(self, name: str, publisher: CameraPublisher, poses: Floats, stamp: int, published: bool) -> None:
+        """Draws and publishes depth and labels; published: whether the camera's transform is published already."""
         assert self._renderer is not None
         depth, labels = publisher.depth, publisher.labels
-        matrix = self._renderer.measure_into(depth.pixels, labels.pixels, name, poses, stamp / SECOND)
+        camera = self._renderer.measure_into(depth.pixels, labels.pixels, name, poses, stamp / SECOND)
+        matrix = None if published else camera
         messages = depth.message(stamp), labels.message(stamp)
         self._published.result()
-        self._published = self._publishing.submit(
-            publisher.publish_depth, stamp, None if camera_published else matrix, *messages)
+        self._published = self._publishing.submit(publisher.publish_depth, stamp, matrix, *messages)
 
     def _add_to_film(self, picture: ImageMessage) -> None:
         """Adds a picture to the film; after an error no film is made."""
@@ -311,47 +301,18 @@ class RenderNode(Node):
         if self._schedule is not None and self._selected:
             with self._changed:
                 state, name = self._schedule.history.latest, self._selected
-            publisher = self._publishers[name]
+            publisher = self._cameras[name]
             self._draw_picture(name, publisher, state.poses, state.stamp, live=False)
             request.image = PillowImage.fromarray(publisher.picture.pixels.copy())
             request.name = f"{name}_{state.stamp / SECOND:.3f}.png"
         request.done.set()
 
 
-def main(args: list[str] | None = None) -> None:
-    """Runs the node until a signal."""
+def main(args: list[str] | None = None) -> int:
+    """Runs the node until a signal ends it; returns the exit status."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    stop, quick = threading.Event(), threading.Event()
-
-    def end(number: int, _: object) -> None:
-        """Sets flags only: the current picture is finished, and after SIGTERM so is the film."""
-        stop.set()
-        if number == signal.SIGINT:
-            quick.set()
-
-    for number in ENDS:
-        signal.signal(number, end)
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = RenderNode()
-    except (context.ContextError, *PARAMETER_ERRORS) as error:
-        rclpy.try_shutdown()
-        sys.exit(f"drone_render: {error}")
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    spinning = ThreadPoolExecutor(1, "ros").submit(executor.spin)
-    spinning.add_done_callback(lambda _: stop.set())  # a callback that failed ends the node
-    try:
-        mesh.prepare()  # done while the simulation starts, which takes longer
-        node.run(stop)
-        executor.shutdown(timeout_sec=FINISH_TIMEOUT)
-        spinning.result()
-    except ExternalShutdownException:
-        pass
-    finally:
-        node.close(quick)
-        rclpy.try_shutdown()
+    return run("drone_render", lambda stop: RenderNode(), args, context.ContextError, work=RenderNode.run)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

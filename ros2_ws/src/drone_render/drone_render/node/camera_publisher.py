@@ -13,7 +13,7 @@ from drone_engine.scene.picture import Camera
 from drone_render.frame.poses import ORIGIN, pose, pose_from_matrix
 from drone_render.frame.view import OPTICAL, moves_in_parent
 from drone_render.node.camera_messages import ImageMessage, camera_info, transforms
-from drone_sim.node.process import NO_CALLBACKS
+from drone_sim.node.qos import NO_CALLBACKS
 
 
 class ImageTopic:

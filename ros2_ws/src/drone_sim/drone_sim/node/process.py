@@ -15,7 +15,6 @@ from contextlib import contextmanager, suppress
 from typing import TypeVar
 
 import rclpy
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.logging import get_logger
@@ -24,15 +23,10 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from drone_sim.node.parameters import ParameterError
-from drone_sim.node.qos import NO_CALLBACKS
-
-__all__ = ["NO_CALLBACKS"]
 
 N = TypeVar("N", bound=Node)
 
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
-ENDS = END_SIGNALS  # until render_node runs through `run`
-PARAMETER_ERRORS = (InvalidParameterTypeException, InvalidParameterValueException)
 LAST_CALLBACK = 1.0  # s that a callback in another thread may still take once its node stops
 
 
