@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.render import scene as scenery
 from bench.render.scene import Bytes
-from drone_engine.scene import schema as scenes
+from drone_engine.scene import loading as scenes
 from drone_render.gl import context
 from drone_render.renderer import Renderer
 

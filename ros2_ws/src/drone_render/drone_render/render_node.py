@@ -18,7 +18,7 @@ from tf2_msgs.msg import TFMessage
 
 from drone_engine.arrays import Floats
 from drone_engine.geometry import mesh
-from drone_engine.scene import schema as scenes
+from drone_engine.scene import loading as scenes
 from drone_render.film import FilmError, Reel
 from drone_render.frame.schedule import Due, Schedule
 from drone_render.gl import context

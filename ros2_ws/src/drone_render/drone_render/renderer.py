@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from drone_engine import Scene
 from drone_engine.arrays import Floats
 from drone_engine.geometry import mesh
-from drone_engine.scene.schema import Scene
 from drone_render.arrays import Bytes, Float32s, Labels
 from drone_render.frame import daylight, view
 from drone_render.frame.frame import Frame

@@ -10,7 +10,7 @@ import trimesh
 from PIL import Image
 
 from drone_engine import assets
-from drone_engine.scene import schema as scene
+from drone_engine.scene import loading as scene
 from drone_render.gl import context
 
 HEAD = "version: 1\n"

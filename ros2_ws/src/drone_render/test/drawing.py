@@ -5,7 +5,7 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
 from drone_render.renderer import Renderer
 
 Make = Callable[[str], Scene]

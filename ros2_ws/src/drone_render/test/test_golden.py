@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
 from drone_render.frame.lines import Lines
 from drone_render.gl import context
 from drone_render.renderer import Renderer

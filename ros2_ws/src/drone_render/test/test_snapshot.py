@@ -36,5 +36,5 @@ def test_a_size_that_no_camera_may_have_is_refused_in_one_line(
 ) -> None:
     assert snapshot.main([str(path), "--out", str(tmp_path / "x.png"), "--size", *size.split()]) == 1
     said = capsys.readouterr().err
-    assert said == f"snapshot: --size {size}: 'size' needs two numbers of pixels from 16 to 4096\n"
+    assert said == f"snapshot: --size {size}: 'size': expected two numbers of pixels from 16 to 4096\n"
     assert not (tmp_path / "x.png").exists()

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drone_engine import Scene
 from drone_engine.arrays import Floats
 from drone_engine.math.poses import compose, poses_from_rpy
-from drone_engine.scene.schema import Scene
 from drone_render.frame.poses import matrices
 from drone_render.frame.view import camera_matrix
 

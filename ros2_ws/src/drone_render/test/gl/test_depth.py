@@ -4,7 +4,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from drone_engine.scene.schema import Scene
+from drone_engine import Scene
 from drone_render.frame import poses, view
 from drone_render.renderer import Renderer
 
