@@ -1,4 +1,4 @@
-"""Draws how the flight models answer a command: python -m figures.flight_models."""
+"""Draws the response of the flight models to a command: python -m figures.flight_models."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,8 +16,8 @@ from figures.style import tidy
 
 OUT = DOCS / "images" / "flight_models.png"
 RATE = 240  # Hz
-WAIT, TOLD, END = 0.25, 2.0, 4.5  # s: the command comes, the last one comes, the picture ends
-SPEED_TOLD = 4.0  # m/s
+WAIT, STOP, END = 0.25, 2.0, 4.5  # s: first command, last command, end of the picture
+COMMANDED_SPEED = 4.0  # m/s
 SCENE = """version: 1
 rates: {{physics: {rate}}}
 dynamics: {{substeps: 1}}
@@ -29,28 +29,29 @@ MODELS = {"direct": ("direct", "", "#efa22f"), "quadrotor": ("quadrotor", ", mot
 
 
 def fly(model: str, lag: str) -> tuple[Floats, Floats, Floats]:
-    """Speed ahead (n,), tilt (n,) in degrees and rates of the front and rear rotors (n, 2), a row for each step."""
+    """Forward speed (n,), tilt (n,) in degrees and rates of the front and rear rotors (n, 2), a row per step."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "flight.yaml"
         path.write_text(SCENE.format(rate=RATE, model=model, lag=lag))
         world = World(load(path))
-    seen = []
+    samples = []
     for i in range(round(END * RATE)):
-        world.step({"drone": (SPEED_TOLD, 0.0, 0.0, 0.0)} if WAIT <= i / RATE < TOLD else {})
+        world.step({"drone": (COMMANDED_SPEED, 0.0, 0.0, 0.0)} if WAIT <= i / RATE < STOP else {})
         up = rotate_all(world.state.orientation_w[0], np.array([0.0, 0.0, 1.0]))
         rotors = world.state.memory[SPEED][0] if SPEED in world.state.memory else np.zeros(4)
-        seen.append((world.state.velocity_w[0, 0], np.degrees(np.arctan2(up[0], up[2])), rotors[0], rotors[1]))
-    speed, tilt, *rates = np.array(seen).T
+        samples.append((world.state.velocity_w[0, 0], np.degrees(np.arctan2(up[0], up[2])), rotors[0], rotors[1]))
+    speed, tilt, *rates = np.array(samples).T
     return speed, tilt, np.stack(rates, axis=1)
 
 
 def main() -> None:
-    figure = style.sheet("What a drone makes of a command", f"The flight models are told to fly {SPEED_TOLD:g} m/s "
-                         f"ahead, and from {TOLD:g} s on nothing. Half a second later the dead-man stops them.")
+    """Draws the picture."""
+    figure = style.sheet("Response to a command", f"The flight models get the command {COMMANDED_SPEED:g} m/s forward "
+                         f"until {STOP:g} s. Half a second later the command times out and they stop.")
     time = np.arange(round(END * RATE)) / RATE
     places = [(0.065, 0.13, 0.385, 0.6), (0.53, 0.53, 0.45, 0.2), (0.53, 0.13, 0.45, 0.225)]
     speeds, tilts, rotors = (figure.add_axes(place) for place in places)
-    speeds.plot([0, WAIT, WAIT, TOLD + 0.5, TOLD + 0.5, END], np.array([0, 0, 1, 1, 0, 0]) * SPEED_TOLD,
+    speeds.plot([0, WAIT, WAIT, STOP + 0.5, STOP + 0.5, END], np.array([0, 0, 1, 1, 0, 0]) * COMMANDED_SPEED,
                 color="#b9c0c9", linewidth=1.3, linestyle=(0, (4, 2.5)))
     for name, (model, lag, color) in MODELS.items():
         speed, tilt, rates = fly(model, lag)
@@ -61,7 +62,7 @@ def main() -> None:
             for which in range(2):
                 rotors.plot(time, rates[:, which], color=color, linewidth=1.5, linestyle=dashes,
                             alpha=1.0 if which else 0.55)
-    for axes, title in ((speeds, "Speed ahead, m/s"), (tilts, "Tilt forward, degrees"),
+    for axes, title in ((speeds, "Forward speed, m/s"), (tilts, "Tilt forward, degrees"),
                         (rotors, "Rates of the rear (strong) and front (pale) rotors, rad/s")):
         axes.set_title(title, fontsize=10.5, loc="left", pad=6, fontweight="bold")
         axes.set_xlim(0, END)

@@ -1,8 +1,8 @@
-"""Collision detection against coal and FCL on the same pairs in the same run, on one thread.
+"""Speed of the collision detection beside coal and FCL, on the same pairs in the same run, on one thread.
 
-Boxes and meshes near touch, half of which do; broad phase frames; wrong answers on hard pairs. Answers are compared,
-disagreements printed. What can be made before a frame (shapes, trees, transforms) is made before, on all sides; ours
-takes a batch in one call, the others one call a pair, as Python has them.
+Pairs of boxes and of meshes near touch, half of which intersect; frames of the broad phase; wrong answers on hard
+pairs. The answers are compared, and differences are printed. Shapes, trees and transforms are prepared before the
+timing for all libraries. Our functions take a batch per call; the Python interfaces of the others take one pair.
 """
 
 import argparse
@@ -22,12 +22,12 @@ from drone_engine.collision.box import box as obb
 from drone_engine.collision.broad_phase.grid import Grid
 from drone_engine.collision.mesh import octree, traversal
 
-SHOWN = 3  # disagreements of a row that are printed in full
-FRAMES = {1000: 0.2, 10_000: 3.0, 100_000: 40.0}  # boxes: ms asked
+SHOWN = 3  # different answers that are printed in full
+FRAMES = {1000: 0.2, 10_000: 3.0, 100_000: 40.0}  # number of boxes: target in ms
 
 
 class Size(NamedTuple):
-    """How much is measured."""
+    """Amount of work: rounds of timing, pairs of boxes and of meshes, sizes of the frames, pairs per hard family."""
 
     rounds: int
     boxes: int
@@ -41,7 +41,7 @@ QUICK = Size(rounds=3, boxes=20_000, meshes=100, frames=(1000, 10_000), hard=200
 
 
 def rates(work: str, count: int, times: dict[str, Times], asked: float | None) -> Row:
-    """Pairs per second; without `asked`, twice the faster of the others is."""
+    """A row with pairs per second; without a target `asked`, the target is twice the faster of the other libraries."""
     wall, cpu, best = ({name: count / seconds for name, seconds in zip(times, column, strict=True)}
                        for column in zip(*times.values(), strict=True))
     ours = wall.pop("ours")
@@ -51,77 +51,80 @@ def rates(work: str, count: int, times: dict[str, Times], asked: float | None) -
                ours / fastest, cpu, best)
 
 
-def agree(work: str, ours: Booleans, others: dict[str, Booleans], tell: Callable[[int], str]) -> None:
-    """Prints how many answers differ, and the first of them."""
+def agree(work: str, ours: Booleans, others: dict[str, Booleans], describe: Callable[[int], str]) -> None:
+    """Prints the number of answers that differ from ours and the first of these pairs; describe(k): pair k as text."""
     for name, answers in others.items():
         differ = np.flatnonzero(ours != answers)
         print(f"{work}: {ours.sum()} of {len(ours)} touch; {libraries.NAMES[name]} differs in {len(differ)}",
               flush=True)
         for k in differ[:SHOWN]:
-            print(f"  pair {k}: ours {bool(ours[k])}; {tell(int(k))}")
+            print(f"  pair {k}: ours {bool(ours[k])}; {describe(int(k))}")
 
 
 def boxes(size: Size) -> Iterator[Row]:
-    """Pairs of boxes: whether they touch, and the whole manifold."""
+    """Pairs of boxes: intersection test, cost of its error bounds, and contact manifolds."""
     a, b = inputs.boxes_near_touch(np.random.default_rng(1), size.boxes)
-    asking = libraries.boxes(a, b)
+    others = libraries.boxes(a, b)
     ours = obb.intersects(*a, *b)
 
-    def tell(k: int) -> str:
+    def describe(k: int) -> str:
         return " and ".join(", ".join(f"{part} {getattr(box, part)[k].tolist()}" for part in Boxes._fields)
                             for box in (a, b))
 
-    agree("boxes, yes or no", ours, {name: libraries.hits(run) for name, run in asking.items()}, tell)
-    times = side_by_side({"ours": lambda: obb.intersects(*a, *b), **asking}, size.rounds)
+    agree("boxes, yes or no", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
+    times = side_by_side({"ours": lambda: obb.intersects(*a, *b), **others}, size.rounds)
     yield rates("boxes, yes or no", size.boxes, times, 40e6)
 
     if not np.array_equal(boxes_without_bounds.intersects(*a, *b), ours):
-        raise SystemExit("the box kernel without its bounds answers otherwise on ordinary pairs")
+        raise SystemExit("the box kernel without error bounds gives different answers on ordinary pairs")
     times = side_by_side({"ours": lambda: obb.intersects(*a, *b),
                           "without": lambda: boxes_without_bounds.intersects(*a, *b)}, 5 * size.rounds)
     cost = 100.0 * (times["ours"].best / times["without"].best - 1.0)
-    yield Row("boxes, what exactness costs: against the same kernel without bounds, best rounds", "%", cost, "under 5",
-              cost < 5.0)
+    yield Row("boxes, cost of exactness: relative to the kernel without error bounds, best rounds", "%", cost,
+              "under 5", cost < 5.0)
 
-    asking = libraries.boxes(a, b, most=8)
+    others = libraries.boxes(a, b, max_contacts=8)
     found = obb.contacts(*a, *b)
     touching = np.zeros(size.boxes, bool)
     touching[found.number] = np.diff(found.first) > 0
-    agree("boxes, manifold", touching, {name: libraries.hits(run) for name, run in asking.items()}, tell)
+    agree("boxes, manifold", touching, {name: libraries.hits(run) for name, run in others.items()}, describe)
     if not np.array_equal(touching, ours):
         raise SystemExit("obb.contacts and obb.intersects disagree")
-    times = side_by_side({"ours": lambda: obb.contacts(*a, *b), **asking}, size.rounds)
+    times = side_by_side({"ours": lambda: obb.contacts(*a, *b), **others}, size.rounds)
     each = len(found.point) / len(found.number)
     yield rates(f"boxes, normal, depth and manifold ({each:.1f} points a hit)", size.boxes, times, 10e6)
 
 
 def poses_near_touch(rng: np.random.Generator, tree: octree.Octree, reach: float, n: int) -> tuple[Floats, Floats]:
-    """Poses (n, 7) of two copies of a mesh, turned at random; b in a random direction at 0.97 to 1.03 times the
-    distance at which, coming from outside, it first touches a."""
+    """Poses (n, 7) of two copies of a mesh near touch, in random orientations.
+
+    b lies in a random direction from a, at 0.97 to 1.03 times the distance of first touch when it approaches from
+    outside. reach: radius of the mesh, m.
+    """
     a, b = np.zeros((2, n, 7))
     a[:, 3:], b[:, 3:] = inputs.quaternions(rng, n), inputs.quaternions(rng, n)
-    way = rng.normal(size=(n, 3))
-    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    direction = rng.normal(size=(n, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     outside, step = np.full(n, 2.0 * reach), reach / 30.0
-    open_ = np.ones(n, bool)
-    while open_.any():
-        b[:, :3] = way * (outside - step)[:, None]
-        open_ &= ~traversal.intersects(tree, a, tree, b)
-        outside[open_] -= step
+    separate = np.ones(n, bool)
+    while separate.any():
+        b[:, :3] = direction * (outside - step)[:, None]
+        separate &= ~traversal.intersects(tree, a, tree, b)
+        outside[separate] -= step
         if outside.min() < 0.0:
-            raise SystemExit("two copies of a mesh miss each other wherever they are")
+            raise SystemExit("two copies of a mesh never touch")
     inside = outside - step
     for _ in range(24):
         middle = (inside + outside) / 2
-        b[:, :3] = way * middle[:, None]
+        b[:, :3] = direction * middle[:, None]
         hit = traversal.intersects(tree, a, tree, b)
         inside, outside = np.where(hit, middle, inside), np.where(hit, outside, middle)
-    b[:, :3] = way * (outside * rng.uniform(0.97, 1.03, n))[:, None]
+    b[:, :3] = direction * (outside * rng.uniform(0.97, 1.03, n))[:, None]
     return a, b
 
 
 def meshes(size: Size) -> Iterator[Row]:
-    """A mesh against a copy: whether they touch, and all pairs of triangles that meet."""
+    """A mesh against a copy of itself: intersection test, and all pairs of intersecting triangles."""
     for name, mesh in inputs.meshes().items():
         tree = octree.build(*mesh)
         reach = float(np.linalg.norm(mesh.vertices, axis=1).max())
@@ -130,48 +133,50 @@ def meshes(size: Size) -> Iterator[Row]:
 
 
 def _mesh(what: str, mesh: Mesh, tree: octree.Octree, a: Floats, b: Floats, rounds: int) -> Iterator[Row]:
-    def tell(k: int) -> str:
+    """Rows for one mesh at the poses a and b, (n, 7)."""
+    def describe(k: int) -> str:
         return f"poses {a[k].tolist()} and {b[k].tolist()}"
 
-    asking = libraries.meshes(mesh, a, b)
+    others = libraries.meshes(mesh, a, b)
     ours = traversal.intersects(tree, a, tree, b)
-    agree(f"{what}, yes or no", ours, {name: libraries.hits(run) for name, run in asking.items()}, tell)
-    times = side_by_side({"ours": lambda: traversal.intersects(tree, a, tree, b), **asking}, rounds)
+    agree(f"{what}, yes or no", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
+    times = side_by_side({"ours": lambda: traversal.intersects(tree, a, tree, b), **others}, rounds)
     yield rates(f"{what}, yes or no", len(a), times, None)
 
-    asking = libraries.meshes(mesh, a, b, libraries.EVERYTHING)
+    others = libraries.meshes(mesh, a, b, libraries.UNLIMITED)
     count = np.diff(traversal.pairs(tree, a, tree, b)[0])
-    for name, run in asking.items():
+    for name, run in others.items():
         differ = np.flatnonzero(run() != count)
-        print(f"{what}, all contacts: {count.sum()} pairs of triangles; {libraries.NAMES[name]} counts others in "
+        print(f"{what}, all contacts: {count.sum()} pairs of triangles; {libraries.NAMES[name]} differs in "
               f"{len(differ)} of {len(a)} pairs of meshes", flush=True)
     if not np.array_equal(count > 0, ours):
         raise SystemExit("traversal.pairs and traversal.intersects disagree")
-    times = side_by_side({"ours": lambda: traversal.contacts(tree, a, tree, b), **asking}, rounds)
+    times = side_by_side({"ours": lambda: traversal.contacts(tree, a, tree, b), **others}, rounds)
     yield rates(f"{what}, all contacts ({count[count > 0].mean():.0f} a hit)", len(a), times, None)
 
 
 def frames(size: Size) -> Iterator[Row]:
-    """All pairs of n moving boxes, sorted; every box moves between two frames."""
+    """Broad phase: all pairs of n boxes, sorted; every box moves between two frames."""
     for n in size.frames:
         yield _frame(n, size.rounds)
 
 
 def _frame(n: int, rounds: int) -> Row:
+    """The row for one frame of n boxes."""
     scene = inputs.frame(n)
-    grid, everything = Grid((scene.high - scene.low) / 2), np.ones(n, bool)
-    moments = cycle([(scene.low_next, scene.high_next), (scene.low, scene.high)])
+    grid, all_boxes = Grid((scene.high - scene.low) / 2), np.ones(n, bool)
+    states = cycle([(scene.low_next, scene.high_next), (scene.low, scene.high)])
 
     def ours() -> tuple[Integers, Integers]:
-        return grid.pairs(*next(moments), everything, everything)
+        return grid.pairs(*next(states), all_boxes, all_boxes)
 
-    asking = libraries.frames(scene)
+    others = libraries.frames(scene)
     found = len(ours()[0])
     if found != _brute_force(scene.low_next, scene.high_next):
-        raise SystemExit(f"the grid finds {found} pairs of {n} boxes, brute force another number")
-    for name, run in asking.items():
+        raise SystemExit(f"the grid finds {found} pairs of {n} boxes, brute force finds another number")
+    for name, run in others.items():
         print(f"frame of {n} boxes: {found} pairs; {libraries.NAMES[name]} finds {run()}", flush=True)
-    times = side_by_side({"ours": ours, **asking}, rounds)
+    times = side_by_side({"ours": ours, **others}, rounds)
     wall, cpu, best = ({name: 1e3 * seconds for name, seconds in zip(times, column, strict=True)}
                        for column in zip(*times.values(), strict=True))
     mine = wall.pop("ours")
@@ -181,7 +186,7 @@ def _frame(n: int, rounds: int) -> Row:
 
 
 def _brute_force(low: Floats, high: Floats) -> int:
-    """How many pairs of AABBs overlap: each against all behind it that begin before it ends."""
+    """Number of overlapping pairs of AABBs (n, 3): tests each box against those that begin before it ends along x."""
     order = np.argsort(low[:, 0])
     low, high = low[order], high[order]
     ends = np.searchsorted(low[:, 0], high[:, 0], side="right")
@@ -190,17 +195,18 @@ def _brute_force(low: Floats, high: Floats) -> int:
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer of everything, under a minute")
+    parser.add_argument("--quick", action="store_true", help="fewer pairs and rounds, under a minute")
     size = QUICK if parser.parse_args().quick else FULL
     rows: list[Row] = []
     for part in (boxes(size), meshes(size), frames(size), wrong_answers.rows(size.hard)):
         for row in part:
             rows.append(row)
-            others = ", ".join(f"{name} {value:.4g}" for name, value in row.peers.items())
-            print(f"{row.work}: {row.ours:.4g} {row.unit}; {others}", flush=True)
+            peers = ", ".join(f"{name} {value:.4g}" for name, value in row.peers.items())
+            print(f"{row.work}: {row.ours:.4g} {row.unit}; {peers}", flush=True)
     versions = {name: version(name) for name in ("numpy", "numba", "coal", "python-fcl")}
-    report("collision", {**size._asdict(), "numbers": "medians of rounds in which all take turns", "threads": 1,
+    report("collision", {**size._asdict(), "numbers": "medians over rounds, libraries in alternation", "threads": 1,
                          "made before": "shapes, trees, transforms; kernels compiled", **versions}, rows)
 
 

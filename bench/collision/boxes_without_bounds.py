@@ -1,4 +1,4 @@
-"""Whether boxes touch, by the same separating axes in the same blocks without bounds: to tell what exactness costs."""
+"""The box intersection kernel without error bounds, to measure the cost of exact answers."""
 
 import numba
 import numpy as np
@@ -11,6 +11,7 @@ ROWS = 27  # offset 0, half extents 3 and 6, axes 9 and 18
 
 @numba.njit(error_model="numpy")
 def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table):
+    """Copies `count` pairs from `first` on into the table, one row of BLOCK numbers per component."""
     for k in range(count):
         for i in range(3):
             at = np.uint64(3 * (first + k) + i)
@@ -24,26 +25,28 @@ def _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, ta
 
 
 @numba.njit(error_model="numpy")
-def _judge(table, verdict):
+def _test_block(table, result):
+    """Writes for each pair of the table whether no axis separates it: 1 or 0."""
     for k in range(BLOCK):
         gap = gaps_of_column(table, k)
-        verdict[k] = max(gap[0], gap[1], gap[2], gap[3], gap[4], gap[5], gap[6], gap[7], gap[8], gap[9], gap[10],
+        result[k] = max(gap[0], gap[1], gap[2], gap[3], gap[4], gap[5], gap[6], gap[7], gap[8], gap[9], gap[10],
                          gap[11], gap[12], gap[13], gap[14]) <= 0.0
 
 
 @numba.njit(error_model="numpy")
-def _decide(center_a, axes_a, half_a, center_b, axes_b, half_b, hit):
-    table, verdict = np.zeros(ROWS * BLOCK), np.empty(BLOCK, np.uint8)
+def _test_all(center_a, axes_a, half_a, center_b, axes_b, half_b, hit):
+    """Whether each pair intersects: flat arrays of centers, axes and half extents; hit (n,) is the output."""
+    table, result = np.zeros(ROWS * BLOCK), np.empty(BLOCK, np.uint8)
     for first in range(0, len(hit), BLOCK):
         count = min(BLOCK, len(hit) - first)
         _gather(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, table)
-        _judge(table, verdict)
+        _test_block(table, result)
         for k in range(count):
-            hit[first + k] = verdict[k]
+            hit[first + k] = result[k]
 
 
 def intersects(*boxes: Floats) -> Booleans:
-    """As obb.intersects, for arrays of the right shapes, and right but for rounding."""
+    """Like box.intersects, for contiguous arrays of the right shapes, and subject to rounding."""
     hit = np.empty(len(boxes[0]), np.bool_)
-    _decide(*[*(array.reshape(-1) for array in boxes), hit.view(np.uint8)])
+    _test_all(*[*(array.reshape(-1) for array in boxes), hit.view(np.uint8)])
     return hit

@@ -1,4 +1,4 @@
-"""Coal and FCL behind one face: each function prepares what may be prepared, and returns the call that is timed."""
+"""coal and FCL behind the same functions: each prepares its input and returns the calls to time, by library."""
 
 from collections.abc import Callable
 from importlib.metadata import version
@@ -12,31 +12,32 @@ from bench.collision.inputs import Boxes, Frame, Mesh, matrices
 from drone_engine.arrays import Booleans, Floats, Integers
 
 NAMES = {"coal": f"coal {version('coal')}", "fcl": f"python-fcl {version('python-fcl')}"}
-EVERYTHING = 1_000_000  # contacts
+UNLIMITED = 1_000_000  # contacts
 
 Counts = Callable[[], Integers]  # contacts of each pair
 
 
-def _collide_coal(shapes_a: list[object], at_a: list[object], shapes_b: list[object], at_b: list[object],
-                  most: int) -> Counts:
-    """most: contacts of a pair that are looked for; 0 only asks whether there is one."""
+def _collide_coal(shapes_a: list[object], poses_a: list[object], shapes_b: list[object], poses_b: list[object],
+                  max_contacts: int) -> Counts:
+    """The call that tests each pair in turn; max_contacts: per pair, 0 for an intersection test only."""
     request = coal.CollisionRequest()
-    request.enable_contact = most > 0
-    request.num_max_contacts = max(most, 1)
+    request.enable_contact = max_contacts > 0
+    request.num_max_contacts = max(max_contacts, 1)
     result, counts = coal.CollisionResult(), np.zeros(len(shapes_a), np.int64)
 
     def run() -> Integers:
         collide, clear = coal.collide, result.clear
-        for k, (a, where_a, b, where_b) in enumerate(zip(shapes_a, at_a, shapes_b, at_b, strict=True)):
+        for k, (a, pose_a, b, pose_b) in enumerate(zip(shapes_a, poses_a, shapes_b, poses_b, strict=True)):
             clear()
-            counts[k] = collide(a, where_a, b, where_b, request, result)
+            counts[k] = collide(a, pose_a, b, pose_b, request, result)
         return counts
 
     return run
 
 
-def _collide_fcl(objects_a: list[object], objects_b: list[object], most: int) -> Counts:
-    request = fcl.CollisionRequest(num_max_contacts=max(most, 1), enable_contact=most > 0)
+def _collide_fcl(objects_a: list[object], objects_b: list[object], max_contacts: int) -> Counts:
+    """The call that tests each pair in turn; max_contacts: per pair, 0 for an intersection test only."""
+    request = fcl.CollisionRequest(num_max_contacts=max(max_contacts, 1), enable_contact=max_contacts > 0)
     counts = np.zeros(len(objects_a), np.int64)
 
     def run() -> Integers:
@@ -48,19 +49,20 @@ def _collide_fcl(objects_a: list[object], objects_b: list[object], most: int) ->
     return run
 
 
-def boxes(a: Boxes, b: Boxes, most: int = 0) -> dict[str, Counts]:
-    """Box against box, in pairs."""
+def boxes(a: Boxes, b: Boxes, max_contacts: int = 0) -> dict[str, Counts]:
+    """Calls for n pairs of boxes; max_contacts: per pair, 0 for an intersection test only."""
     both = [a, b]
     shapes = [[coal.Box(*side) for side in 2 * box.half] for box in both]
-    places = [[coal.Transform3s(turn.T, center) for turn, center in zip(box.axes, box.center, strict=True)]
+    transforms = [[coal.Transform3s(axes.T, center) for axes, center in zip(box.axes, box.center, strict=True)]
               for box in both]
-    objects = [[fcl.CollisionObject(fcl.Box(*side), fcl.Transform(turn.T, center))
-                for side, turn, center in zip(2 * box.half, box.axes, box.center, strict=True)] for box in both]
-    return {"coal": _collide_coal(shapes[0], places[0], shapes[1], places[1], most),
-            "fcl": _collide_fcl(objects[0], objects[1], most)}
+    objects = [[fcl.CollisionObject(fcl.Box(*side), fcl.Transform(axes.T, center))
+                for side, axes, center in zip(2 * box.half, box.axes, box.center, strict=True)] for box in both]
+    return {"coal": _collide_coal(shapes[0], transforms[0], shapes[1], transforms[1], max_contacts),
+            "fcl": _collide_fcl(objects[0], objects[1], max_contacts)}
 
 
 def _coal_model(mesh: Mesh) -> object:
+    """The mesh as a bounding volume hierarchy of coal."""
     model = coal.BVHModelOBBRSS()
     vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for vertex in mesh.vertices:
@@ -74,6 +76,7 @@ def _coal_model(mesh: Mesh) -> object:
 
 
 def _fcl_model(mesh: Mesh) -> object:
+    """The mesh as a bounding volume hierarchy of FCL."""
     model = fcl.BVHModel()
     model.beginModel(len(mesh.vertices), len(mesh.faces))
     model.addSubModel(mesh.vertices, mesh.faces)
@@ -81,32 +84,34 @@ def _fcl_model(mesh: Mesh) -> object:
     return model
 
 
-def meshes(mesh: Mesh, poses_a: Floats, poses_b: Floats, most: int = 0) -> dict[str, Counts]:
-    """A mesh against itself, at poses (n, 7)."""
+def meshes(mesh: Mesh, poses_a: Floats, poses_b: Floats, max_contacts: int = 0) -> dict[str, Counts]:
+    """Calls for a mesh against itself at n pairs of poses (n, 7)."""
     model, shape = _coal_model(mesh), _fcl_model(mesh)
     both = [(matrices(poses[:, 3:]), poses[:, :3]) for poses in (poses_a, poses_b)]
-    places = [[coal.Transform3s(turn, center) for turn, center in zip(*pose, strict=True)] for pose in both]
-    objects = [[fcl.CollisionObject(shape, fcl.Transform(turn, center)) for turn, center in zip(*pose, strict=True)]
+    transforms = [[coal.Transform3s(rotation, center) for rotation, center in zip(*pose, strict=True)]
+                  for pose in both]
+    objects = [[fcl.CollisionObject(shape, fcl.Transform(rotation, center))
+                for rotation, center in zip(*pose, strict=True)]
                for pose in both]
     models = [model] * len(poses_a)
-    return {"coal": _collide_coal(models, places[0], models, places[1], most),
-            "fcl": _collide_fcl(objects[0], objects[1], most)}
+    return {"coal": _collide_coal(models, transforms[0], models, transforms[1], max_contacts),
+            "fcl": _collide_fcl(objects[0], objects[1], max_contacts)}
 
 
 def triangles(a: Floats, b: Floats) -> dict[str, Counts]:
-    """Triangle against triangle, corners (n, 3, 3), each a mesh of its own."""
-    alone = np.array([[0, 1, 2]])
-    both = [[Mesh(np.ascontiguousarray(corners), alone) for corners in corners_of] for corners_of in (a, b)]
+    """Calls for n pairs of triangles, corners (n, 3, 3); each triangle is a mesh."""
+    face = np.array([[0, 1, 2]])
+    both = [[Mesh(np.ascontiguousarray(corners), face) for corners in corners_of] for corners_of in (a, b)]
     origin = coal.Transform3s(np.eye(3), np.zeros(3))
-    places = [origin] * len(a)
+    transforms = [origin] * len(a)
     models = [[_coal_model(mesh) for mesh in side] for side in both]
     objects = [[fcl.CollisionObject(_fcl_model(mesh), fcl.Transform()) for mesh in side] for side in both]
-    return {"coal": _collide_coal(models[0], places, models[1], places, 0),
+    return {"coal": _collide_coal(models[0], transforms, models[1], transforms, 0),
             "fcl": _collide_fcl(objects[0], objects[1], 0)}
 
 
 def frames(scene: Frame) -> dict[str, Callable[[], int]]:
-    """Moves every box to the other moment, renews the tree, finds all pairs and returns how many there are."""
+    """Calls that move all boxes to the other state, update the tree and return the number of pairs."""
     centers = [(scene.low + scene.high) / 2, (scene.low_next + scene.high_next) / 2]
     sides = scene.high - scene.low
     boxes_coal = [coal.CollisionObject(coal.Box(*side), coal.Transform3s(np.eye(3), at))
@@ -122,11 +127,11 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
     tree_fcl = fcl.DynamicAABBTreeCollisionManager()
     tree_fcl.registerObjects(boxes_fcl)
     tree_fcl.setup()
-    moment = {"coal": 0, "fcl": 0}
+    state = {"coal": 0, "fcl": 0}
 
     def frame_coal() -> int:
-        moment["coal"] ^= 1
-        for box, at in zip(boxes_coal, centers[moment["coal"]], strict=True):
+        state["coal"] ^= 1
+        for box, at in zip(boxes_coal, centers[state["coal"]], strict=True):
             box.setTranslation(at)
             box.computeAABB()
         tree.update()
@@ -135,8 +140,8 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
         return int(collect.numCollisionPairs())
 
     def frame_fcl() -> int:
-        moment["fcl"] ^= 1
-        for box, at in zip(boxes_fcl, centers[moment["fcl"]], strict=True):
+        state["fcl"] ^= 1
+        for box, at in zip(boxes_fcl, centers[state["fcl"]], strict=True):
             box.setTranslation(at)
         tree_fcl.update()
         calls = count()
@@ -147,5 +152,5 @@ def frames(scene: Frame) -> dict[str, Callable[[], int]]:
 
 
 def hits(run: Counts) -> Booleans:
-    """Whether each pair touches."""
+    """Whether each pair has a contact."""
     return np.asarray(run() > 0)

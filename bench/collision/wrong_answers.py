@@ -1,4 +1,4 @@
-"""How many answers are wrong on the hard pairs of `reference`, ours and others', judged by rational arithmetic."""
+"""Wrong answers of our tests and of other libraries on hard pairs, counted by exact arithmetic."""
 
 import zlib
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from reference import box_families, box_oracle, textbook, triangle_families, tri
 
 
 def aligned(rng: np.random.Generator, n: int) -> tuple[Floats, ...]:
-    """Boxes that are not turned, of decimal sizes, face to face: they touch, miss or overlap by rounding alone."""
+    """Axis-aligned boxes of decimal sizes, face to face: rounding alone decides between touch, gap and overlap."""
     half_a, half_b = np.asarray(rng.integers(1, 9, (2, n, 3)) * 0.1, np.float64)
     center_a = np.asarray(rng.integers(-20, 21, (n, 3)) * 0.1, np.float64)
     along = np.eye(3, dtype=bool)[rng.integers(0, 3, n)]
@@ -25,14 +25,17 @@ def aligned(rng: np.random.Generator, n: int) -> tuple[Floats, ...]:
     return center_a, axes, half_a, center_a + share * (half_a + half_b), axes, half_b
 
 
-# Left out are families that coal and FCL do not take: boxes whose axes are no rotation, numbers beyond their range.
+# Without the families that coal and FCL do not support: axes that are no rotation, numbers beyond their range.
 BOXES = {"aligned": aligned, **{name: box_families.FAMILIES[name] for name in
                                 ("near_contact", "parallel", "thin", "ratios", "moved")}}
 TRIANGLES = tuple(name for name in triangle_families.FAMILIES if name != "tiny_and_huge")
 
 
 def rotated(a: Boxes, b: Boxes) -> tuple[Boxes, Boxes]:
-    """Those pairs whose axes are as good as rotations, mirrored ones turned into the same boxes unmirrored."""
+    """The pairs whose axes are orthonormal up to rounding.
+
+    Left-handed axes are replaced by right-handed axes of the same box.
+    """
     good = np.ones(len(a.center), bool)
     for axes in (a.axes, b.axes):
         good &= np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) < 1e-14
@@ -45,7 +48,7 @@ def rotated(a: Boxes, b: Boxes) -> tuple[Boxes, Boxes]:
 
 
 def rows(count: int) -> Iterator[Row]:
-    """One row a family, of about `count` pairs each; wrong answers per 1000."""
+    """One row per family with about `count` pairs: wrong answers per 1000."""
     for name, make in BOXES.items():
         rng = np.random.default_rng(zlib.crc32(name.encode()))
         numbers = make(rng, count)
@@ -61,16 +64,17 @@ def rows(count: int) -> Iterator[Row]:
         first, second = triangle_families.FAMILIES[name](np.random.default_rng(zlib.crc32(name.encode())), count)
         answers = {peer: libraries.hits(run) for peer, run in libraries.triangles(first, second).items()}
         answers["plain SAT"] = textbook.triangles(first, second)
-        yield _row(f"triangles, {name.replace('_', ' ')}", _triangles_meet(first, second),
+        yield _row(f"triangles, {name.replace('_', ' ')}", _triangles_intersect(first, second),
                    triangle.intersects(first, second), answers)
 
 
-def _triangles_meet(a: Floats, b: Floats) -> Booleans:
+def _triangles_intersect(a: Floats, b: Floats) -> Booleans:
+    """Exact answers for triangles (n, 3, 3)."""
     return np.array([triangle_oracle.intersects(x, y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
 
 
 def _row(work: str, truth: Booleans, ours: Booleans, answers: dict[str, Booleans]) -> Row:
     wrong = {libraries.NAMES.get(name, name): 1000.0 * float(np.mean(answer != truth))
              for name, answer in {"ours": ours, **answers}.items()}
-    mine = wrong.pop("ours")
-    return Row(f"wrong answers: {work}, {len(truth)} pairs", "of 1000", mine, "0", mine == 0.0, peers=wrong)
+    ours_wrong = wrong.pop("ours")
+    return Row(f"wrong answers: {work}, {len(truth)} pairs", "of 1000", ours_wrong, "0", ours_wrong == 0.0, peers=wrong)

@@ -1,7 +1,7 @@
-"""Steps per second of boxes, of quadrotors and of the island, beside MuJoCo, PyBullet, crazyflow and RotorPy.
+"""Steps per second of boxes, quadrotors and the island, beside MuJoCo, PyBullet, crazyflow and RotorPy.
 
-All run in turn, in one run, on one core; rates are steps per second of CPU time, medians over the rounds. Beside the
-speed of each row with contacts stands how well they were solved, by all sides: depth, energy, speed at rest.
+All engines run in alternation on one core; rates are medians of steps per second of CPU time over the rounds. Rows
+with contacts also report the quality of the solution for each engine: penetration, energy drift and speed at rest.
 """
 
 import argparse
@@ -10,26 +10,28 @@ import warnings
 from collections.abc import Iterator
 from importlib.metadata import version
 
-os.environ["SCIPY_ARRAY_API"] = "1"  # which crazyflow needs before SciPy is imported
+os.environ["SCIPY_ARRAY_API"] = "1"  # crazyflow needs it before the import of SciPy
 
 from bench.dynamics import contacts, flight
 from bench.dynamics.contacts import FULL, QUICK, Size
-from bench.dynamics.heap import PASSES, RATE, SUBSTEPS
+from bench.dynamics.heap import ITERATIONS, RATE, SUBSTEPS
 from bench.report.results import Row, report
 
 PEERS = ("mujoco", "pybullet", "crazyflow", "rotorpy")
 
 
 def rows(size: Size) -> Iterator[Row]:
+    """All rows, in the order of the report."""
     for movable in size.heaps:
         yield from contacts.heap_rows(movable, size)
     yield from contacts.asleep(size)
     yield from flight.quadrotor_rows(size.rounds)
     yield flight.island_row(size.rounds)
-    yield flight.unnamed_row(size.rounds)
+    yield flight.unused_effects_row(size.rounds)
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="fewer boxes and rounds: within a minute")
     options = parser.parse_args()
@@ -40,10 +42,10 @@ def main() -> None:
     for row in rows(size):
         found.append(row)
         print(f"{row.work}: {row.ours:.4g} {row.unit}", flush=True)
-    report("dynamics", {"step": f"1/{RATE:g} s", "substeps": SUBSTEPS, "passes": PASSES, "cores": 1,
+    report("dynamics", {"step": f"1/{RATE:g} s", "substeps": SUBSTEPS, "passes": ITERATIONS, "cores": 1,
                         "rates": "by CPU time, medians", "rounds": size.rounds,
                         "versions": {name: version(name) for name in PEERS},
-                        "given": "published figures of one machine, times MuJoCo here over MuJoCo there"}, found)
+                        "given": "published figures of another machine, scaled by the ratio of MuJoCo's rates"}, found)
 
 
 if __name__ == "__main__":

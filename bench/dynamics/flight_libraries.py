@@ -1,4 +1,4 @@
-"""Steps of quadrotors: one with its controller, a step or a hundred a call, and a thousand of them."""
+"""Quadrotor steps in crazyflow and RotorPy."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,14 +10,14 @@ from crazyflow.sim import Sim
 from rotorpy.vehicles.crazyflie_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
-RATE = 500  # Hz, crazyflow's own
+RATE = 500  # Hz, the default of crazyflow
 MANY, BATCH = 1000, 100
-# gym-pybullet-drones is not among the packages; steps per second on the machine of the figures of Box3D.
-GIVEN = {"gym-pybullet-drones, given": 44e3, "with aerodynamics, given": 20e3}
+# gym-pybullet-drones is not installed; published steps per second, from the machine of Box3D's figures.
+PUBLISHED = {"gym-pybullet-drones, given": 44e3, "with aerodynamics, given": 20e3}
 
 
 def crazyflow(worlds: int, steps: int) -> Callable[[], None]:
-    """A call of so many steps of one drone in so many worlds, on the CPU, with its attitude controller."""
+    """A call of `steps` steps of one drone in each of `worlds` worlds, on the CPU, with the attitude controller."""
     sim = Sim(n_worlds=worlds, n_drones=1, dynamics=Dynamics.first_principles, control=Control.attitude, freq=RATE,
               device="cpu")
     sim.reset()
@@ -27,13 +27,13 @@ def crazyflow(worlds: int, steps: int) -> Callable[[], None]:
         sim.step(steps)
         sim.data.states.pos.block_until_ready()
         if not np.isfinite(sim.data.states.pos).all():
-            raise SystemExit("crazyflow left the finite numbers")
+            raise SystemExit("crazyflow: the positions are not finite")
 
     return call
 
 
 def rotorpy() -> Callable[[], None]:
-    """A call of one step of the Crazyflie, without a controller, with its own integrator."""
+    """A call that runs one step of the Crazyflie, without a controller, with RotorPy's integrator."""
     drone = Multirotor(dict(quad_params))
     hover = float(np.sqrt(quad_params["mass"] * 9.81 / (4 * quad_params["k_eta"])))
     state: dict[str, Any] = {"x": np.zeros(3), "v": np.zeros(3), "q": np.array([0, 0, 0, 1.0]), "w": np.zeros(3),

@@ -1,9 +1,9 @@
-"""One quadrotor and a thousand: loops, mixing, four rotors with motor lag and air drag, dt = 1/240 s, one thread.
+"""Steps per second of one quadrotor and of a thousand, by World and by Fleet: dt = 1/240 s, one thread.
 
     python -m bench.dynamics.quadrotors
 
-What flies is the drone of the island by the default integrator. Each work checks the answer that it times: the drones
-have to fly as they are told, and those of a fleet as one that flies alone.
+The drone of the island with the default integrator: flight controller, mixing, four rotors with motor lag, air drag.
+Each measurement checks its result: the drones fly at the commanded velocity, and those of a fleet like a single one.
 """
 
 import argparse
@@ -44,41 +44,41 @@ def scene() -> Scene:
 
 
 def commands() -> Floats:
-    """A command for each of the many, (MANY, 4), so that no two fly alike."""
-    wanted = np.random.default_rng(1).uniform(-3.0, 3.0, (MANY, 4))
-    wanted[:, 3] *= 0.1  # who turns fast flies in circles
-    return wanted
+    """A different command for each drone, (MANY, 4)."""
+    velocities = np.random.default_rng(1).uniform(-3.0, 3.0, (MANY, 4))
+    velocities[:, 3] *= 0.1  # fast yaw would turn the velocity
+    return velocities
 
 
 def check() -> None:
-    """Raises AssertionError unless drones fly as they are told, and bit for bit the same whichever way it is done."""
-    alone, wanted = World(scene()), commands()
+    """Raises AssertionError unless drones fly as commanded, and bit for bit the same in a World and in a Fleet."""
+    alone, velocities = World(scene()), commands()
     fleet = Fleet(alone.scene, MANY)
     assert fleet.in_blocks, fleet.why_not
     for _ in range(8):
-        alone.command("drone", tuple(wanted[7]))
+        alone.command("drone", tuple(velocities[7]))
         alone.run(100)
-        fleet.run(100, wanted)
+        fleet.run(100, velocities)
     np.testing.assert_array_equal(fleet.state.position_w[7], alone.state.position_w[0])
     np.testing.assert_array_equal(fleet.state.velocity_w[7], alone.state.velocity_w[0])
-    speed, told = np.linalg.norm(fleet.state.velocity_w, axis=1), np.linalg.norm(wanted[:, :3], axis=1)
-    assert np.abs(speed / told - 1.0).max() < 0.05, "the drones do not fly as they are told"
+    speed, commanded = np.linalg.norm(fleet.state.velocity_w, axis=1), np.linalg.norm(velocities[:, :3], axis=1)
+    assert np.abs(speed / commanded - 1.0).max() < 0.05, "the drones do not fly at the commanded velocity"
 
 
 def rows(rounds: int = 15) -> list[Row]:
-    """The three works of one drone and many, by World and by Fleet."""
+    """All measurements of one drone and of many, by World and by Fleet."""
     check()
     world, one, many = World(scene()), Fleet(scene(), 1), Fleet(scene(), MANY)
-    told, wanted, single = {"drone": COMMAND}, commands(), np.array(COMMAND)
+    command, velocities, single = {"drone": COMMAND}, commands(), np.array(COMMAND)
 
-    def keep_flying() -> None:
+    def batch() -> None:
         world.command("drone", COMMAND)
         world.run(100)
 
     times = side_by_side({
-        "step": lambda: world.step(told), "step of a fleet": lambda: one.run(1, single),
-        "batch": keep_flying, "batch of a fleet": lambda: one.run(100, single),
-        "many": lambda: many.run(100, wanted), "many, a step": lambda: many.run(1, wanted)}, rounds)
+        "step": lambda: world.step(command), "step of a fleet": lambda: one.run(1, single),
+        "batch": batch, "batch of a fleet": lambda: one.run(100, single),
+        "many": lambda: many.run(100, velocities), "many, a step": lambda: many.run(1, velocities)}, rounds)
     return [
         _row("one quadrotor with controller, a step per call", times["step"], 1, 300_000),
         _row("the same, as a fleet of one", times["step of a fleet"], 1, 300_000),
@@ -89,7 +89,7 @@ def rows(rounds: int = 15) -> list[Row]:
 
 
 def _row(work: str, taken: Times, steps: int, asked: int | None) -> Row:
-    """Drone steps per second; steps: of one call."""
+    """A row of drone steps per second; steps: per call."""
     return Row(work, "steps/s", steps / taken.wall, f">= {asked:,}" if asked else "",
                steps / taken.cpu >= asked if asked else None, cpu={"ours": steps / taken.cpu},
                best={"ours": steps / taken.best})

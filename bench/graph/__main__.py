@@ -1,9 +1,9 @@
-"""The whole graph on this machine: start-up, real-time factor, and how many camera frames come and arrive.
+"""The whole ROS graph on this machine: start-up time, real-time factor, and camera frames published and received.
 
-Starts every node as a user would and listens in a process with default settings to the poses of the user's drone
-and to one camera, 640x480 at 60 Hz: of the island, of the hangar, which costs half as much to draw, and of a thousand
-crates that fall. A frame counts once, by its stamp; its bytes are checked to be a picture. How many were published is
-what drone_render says.
+Starts all nodes like a user and subscribes, in another process and with default settings, to the pose of the user's
+drone and to one camera, 640x480 at 60 Hz. Scenes: the island; the hangar, which takes half as long to draw; a thousand
+falling crates. A frame counts once, by its stamp, and its bytes must look like a picture. drone_render reports the
+number of published frames.
 """
 
 import argparse
@@ -28,20 +28,20 @@ from bench import ROOT
 from bench.report.results import Row, report
 
 WARM_UP = 3.0  # s of simulated time before the counting starts
-SETTLING = 1.0  # s in which the listener makes itself known, before anybody else is there
-CROWD = "crates"  # keeps up with the clock; what else is asked is asked of scenes that are drawn 60 times a second
+SETTLING = 1.0  # s for the discovery of the listener, before the nodes start
+CROWD = "crates"  # has to run in real time; the other targets are for scenes drawn at 60 Hz
 CROWDED = ("one camera drawn", ": frames that arrive", "of one core")
 HEADER = 12  # bytes: encoding, seconds, nanoseconds
 
 
 class Listener:
-    """Arrival times and stamps, in s."""
+    """Receives poses, frames and diagnostics; arrival times and stamps are in s."""
 
     def __init__(self, node: Node, camera: str) -> None:
         self.poses: list[tuple[float, float]] = []
         self.frames: list[tuple[float, float]] = []
         self.spreads: list[float] = []
-        self.published: list[tuple[int, int]] = []  # by drone_render so far, and arrived by then
+        self.published: list[tuple[int, int]] = []  # frames drawn by drone_render so far, and received by then
         node.create_subscription(PoseStamped, "user_drone/pose", self._on_pose, qos_profile_sensor_data, raw=True)
         node.create_subscription(DiagnosticArray, "diagnostics", self._on_report, 10)
         node.create_subscription(Image, f"camera/{camera}/image_raw", self._on_frame, qos_profile_sensor_data, raw=True)
@@ -61,18 +61,19 @@ class Listener:
                     self.published.append((int(value.value), len(self.frames)))
 
     def arrived(self) -> float:
-        """Per cent of the published frames, from the first report with frames to the last."""
-        (drawn, heard), (all_drawn, all_heard) = next(pair for pair in self.published if pair[0]), self.published[-1]
-        return 100.0 * (all_heard - heard) / (all_drawn - drawn)
+        """Percentage of the published frames that arrived, from the first report with frames to the last."""
+        first, last = next(pair for pair in self.published if pair[0]), self.published[-1]
+        return 100.0 * (last[1] - first[1]) / (last[0] - first[0])
 
 
 def _stamp(data: bytes) -> float:
+    """Time stamp of a serialized message, s."""
     seconds, nanoseconds = np.frombuffer(data[:HEADER], "<u4", offset=4)
     return float(seconds) + 1e-9 * float(nanoseconds)
 
 
 def fly(scene: str, seconds: float, camera: str, domain: int) -> tuple[float, Listener, float]:
-    """One run: when it was started, what was heard, and CPU s of all its processes."""
+    """One run: time of its start, the listener, and CPU time of all its processes in s."""
     context = Context()
     rclpy.init(context=context, domain_id=domain)
     node = rclpy.create_node("bench_graph", context=context)
@@ -103,6 +104,7 @@ def fly(scene: str, seconds: float, camera: str, domain: int) -> tuple[float, Li
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=20.0, help="simulated time that is measured (default: 20)")
     parser.add_argument("--runs", type=int, default=3, help="medians are over this many (default: 3)")
@@ -119,19 +121,19 @@ def main() -> None:
 
 
 def measure(scene: str, camera: str, seconds: float, runs: int) -> list[Row]:
-    """Medians over the runs."""
+    """Rows of a scene: medians over the runs."""
     numbers: dict[str, list[float]] = {}
     for run in range(runs):
-        start, heard, cpu = fly(scene, seconds, camera, 10 + run)
-        if min(heard.spreads) < 10.0:
-            raise SystemExit("a frame was of one color: these are no pictures")
-        window = [(wall, stamp) for wall, stamp in heard.poses if stamp >= WARM_UP]
+        start, listener, cpu = fly(scene, seconds, camera, 10 + run)
+        if min(listener.spreads) < 10.0:
+            raise SystemExit("a frame has a single color: it is not a picture")
+        window = [(wall, stamp) for wall, stamp in listener.poses if stamp >= WARM_UP]
         wall = window[-1][0] - window[0][0]
-        stamps = {round(stamp * 60) for _, stamp in heard.frames if stamp >= WARM_UP}
+        stamps = {round(stamp * 60) for _, stamp in listener.frames if stamp >= WARM_UP}
         for name, number in {
-            "pose": heard.poses[0][0] - start, "frame": heard.frames[0][0] - start,
+            "pose": listener.poses[0][0] - start, "frame": listener.frames[0][0] - start,
             "factor": (window[-1][1] - window[0][1]) / wall, "rate": len(stamps) / seconds,
-            "arrived": heard.arrived(), "cpu": 100.0 * cpu / (window[-1][0] - start),
+            "arrived": listener.arrived(), "cpu": 100.0 * cpu / (window[-1][0] - start),
         }.items():
             numbers.setdefault(name, []).append(number)
         print(f"{scene}, run {run + 1} of {runs}: "

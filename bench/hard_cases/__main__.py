@@ -1,8 +1,7 @@
-"""The hard cases in great numbers: how many answers of collision were wrong, and what motion came to.
+"""Hard cases in large numbers: wrong answers of the collision tests, and outcomes of the cases of motion.
 
-Every answer of collision is judged by rational arithmetic on the very numbers that were given, and asked again with the
-two sides swapped. Families and oracles are those of `reference`; the other libraries are asked the same families,
-in smaller numbers and without what they do not take.
+Exact arithmetic on the same float64 numbers judges each answer, and each pair is tested twice, with its sides swapped.
+The other libraries get fewer pairs of the same families, without those that they do not support.
 """
 
 import argparse
@@ -29,19 +28,19 @@ from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE
 from reference import box_families, box_oracle, plate_shots, triangle_families, triangle_oracle
 from reference import broad_phase as bounds
 
-CHUNK = 2_000  # pairs that one process judges at a time
-# Which part of the count each family gets: all for what is most common in flight, a tenth for the others, so that those
-# of triangles make it up together, and less for those of which the judging takes long.
+CHUNK = 2_000  # pairs per job of a process
+# Part of the count per family: all for the most common cases in flight, less for families with slow exact arithmetic, a
+# tenth for all others, so that the triangle families together get about the full count.
 SHARE = {"near_contact": 1.0, "parallel": 1.0, "exponents": 0.01, "tiny_and_huge": 0.01}
 OTHER_SHARE = 0.1
 LEVELS = (SPHERE, OBB, OCTREE, TRIANGLE)
 MODELS = ROOT / "assets/models"
-SHOTS = 10_000  # at the plate, at each level
-OTHERS = 500  # so many times fewer pairs for the other libraries
+SHOTS = 10_000  # per collision level
+OTHERS = 500  # the other libraries get this factor fewer pairs
 
 
 def boxes(family: str, chunk: int, count: int) -> tuple[int, int]:
-    """How many pairs were tried and how many answers were wrong."""
+    """Number of tested pairs of a family, and of wrong answers."""
     a, b = np.split(np.arange(6), 2)
     numbers = box_families.FAMILIES[family](_random(family, chunk), count)
     truth = box_oracle.all_boxes_touch(*numbers)
@@ -50,7 +49,7 @@ def boxes(family: str, chunk: int, count: int) -> tuple[int, int]:
 
 
 def triangles(family: str, chunk: int, count: int) -> tuple[int, int]:
-    """Likewise; the corners of the second answer come in another order, too."""
+    """Number of tested pairs of a family, and of wrong answers; the second test also permutes the corners."""
     a, b = triangle_families.FAMILIES[family](_random(family, chunk), count)
     truth = np.array(list(starmap(triangle_oracle.intersects, zip(a.tolist(), b.tolist(), strict=True))))
     return len(truth), _wrong(truth, triangle.intersects(a, b),
@@ -62,12 +61,16 @@ def _random(family: str, chunk: int) -> np.random.Generator:
 
 
 def _wrong(truth: Booleans, *answers: Booleans) -> int:
+    """Number of pairs for which at least one answer is wrong."""
     return int(np.any([answer != truth for answer in answers], axis=0).sum())
 
 
 def nested(count: int) -> tuple[int, int]:
-    """Poses of two models near touch: a hit at a level that is none at the level before is wrong, and so is an answer
-    that swapping changes."""
+    """Number of tested poses, and of inconsistent answers, for poses of two models near touch.
+
+    Answers are inconsistent if a level reports a hit and a coarser level does not, or if swapping the models changes an
+    answer.
+    """
     rng, wrong = np.random.default_rng(7), 0
     models = [Shape.load(MODELS / f"{name}.obj") for name in ("drone", "television", "ring", "rock_tall")]
     for start in range(0, count, CHUNK):
@@ -84,7 +87,7 @@ def nested(count: int) -> tuple[int, int]:
 
 
 def broad_phase(count: int) -> tuple[int, int]:
-    """Bounds of all sizes: pairs that brute force finds and the grid does not, or the other way round."""
+    """Number of pairs by brute force for bounds of all sizes, and of pairs that the grid misses or adds."""
     pairs = wrong = 0
     for seed in count_from(0):
         low, high = bounds.random_boxes(seed, 3000, (1e-3, 1e3))
@@ -99,6 +102,7 @@ def broad_phase(count: int) -> tuple[int, int]:
 
 
 def _share(kind: str, family: str) -> float:
+    """Part of the count that a family gets."""
     share = SHARE.get(family, OTHER_SHARE)
     return min(share, OTHER_SHARE) if kind == "triangles" else share
 
@@ -108,7 +112,7 @@ KINDS: dict[str, tuple[Callable[[str, int, int], tuple[int, int]], tuple[str, ..
 
 
 def rows(count: int) -> Iterator[Row]:
-    """One row a family: wrong answers among `count` pairs, asked twice."""
+    """One row per family: wrong answers among `count` pairs, each tested twice."""
     columns = TextColumn("{task.description:36}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with ProcessPoolExecutor() as pool, Progress(*columns) as progress:
         for kind, (judge, families) in KINDS.items():
@@ -117,14 +121,14 @@ def rows(count: int) -> Iterator[Row]:
                 sizes = [min(CHUNK, pairs - start) for start in range(0, pairs, CHUNK)]
                 bar = progress.add_task(f"{kind}, {family.replace('_', ' ')}", total=pairs)
                 tried = wrong = 0
-                for some, bad in pool.map(judge, [family] * len(sizes), range(len(sizes)), sizes):
-                    tried, wrong = tried + some, wrong + bad
+                for more, more_wrong in pool.map(judge, [family] * len(sizes), range(len(sizes)), sizes):
+                    tried, wrong = tried + more, wrong + more_wrong
                     progress.update(bar, completed=tried)
                 yield Row(f"{kind}, {family.replace('_', ' ')}, {tried} pairs", "wrong", wrong, "0", wrong == 0)
-        for work, many, judge_all in (("levels nested", count, nested), ("broad phase", count, broad_phase)):
-            bar = progress.add_task(work, total=many)
-            tried, wrong = judge_all(many)
-            progress.update(bar, completed=many)
+        for work, pairs, run_all in (("levels nested", count, nested), ("broad phase", count, broad_phase)):
+            bar = progress.add_task(work, total=pairs)
+            tried, wrong = run_all(pairs)
+            progress.update(bar, completed=pairs)
             yield Row(f"{work}, {tried} pairs", "wrong", wrong, "0", wrong == 0)
         for name, level in (("sphere", SPHERE), ("obb", OBB), ("octree", OCTREE), ("triangle", TRIANGLE)):
             bar = progress.add_task(f"shots at a plate, {name}", total=SHOTS)
@@ -135,9 +139,10 @@ def rows(count: int) -> Iterator[Row]:
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--count", type=int, default=1_000_000, help="pairs of a common family (default: %(default)s)")
-    parser.add_argument("--only", choices=("collision", "motion"), help="one of the two parts")
+    parser.add_argument("--only", choices=("collision", "motion"), help="run only one of the two parts")
     options = parser.parse_args()
     moved: list[Row] = []
     if options.only != "collision":

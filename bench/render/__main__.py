@@ -1,10 +1,10 @@
-"""How fast pictures are drawn without a GPU, against other renderers: the same scene, read-back included.
+"""Frame rates without a GPU, beside other renderers: the same scene, read-back included.
 
-A hill of 32,768 triangles and 40 balls of 1,008, at three sizes; each renderer in a process of its own, all taking
-turns. Ours is lit per pixel by four lights with normal maps, and is compared with a plain loop that draws all of it in
-full detail; the others light at the vertices, by three lights or one, without normal maps. pyrender and pygfx are not
-here: the one wants a PyOpenGL of its own, the other a Vulkan driver; on this scene both reach a fifth of the rest.
-Then the island: how fast it is drawn with everything on, and what each part of it costs.
+A hill of 32,768 triangles and 40 balls of 1,008, at three picture sizes; each renderer in its own process, all in
+alternation. Ours lights per pixel with four lights and normal maps; a plain loop that draws all of it in full detail
+is the reference. The other renderers light per vertex, with one to three lights and without normal maps. pyrender and
+pygfx are not included: the former needs its own PyOpenGL, the latter a Vulkan driver; on this scene both reach a fifth
+of the others' rates. Then the island: its frame rate with all features, and the cost of each feature.
 """
 
 import argparse
@@ -22,16 +22,16 @@ from bench.render.scene import SIZES
 from bench.render.workers import PEERS, Worker
 from bench.report.results import Row, report
 
-ASKED = {(320, 240): 200.0, (640, 480): 90.0, (1280, 720): 45.0}  # pictures per s
-PLAIN = {(320, 240): 89.0, (640, 480): 49.0, (1280, 720): 28.0}  # of the plain loop, where that was asked
-DIFFERENCE = 2.0  # of 255, in the mean over a picture
+ASKED = {(320, 240): 200.0, (640, 480): 90.0, (1280, 720): 45.0}  # pictures per s, targets
+PLAIN = {(320, 240): 89.0, (640, 480): 49.0, (1280, 720): 28.0}  # the plain loop, on the machine of these targets
+DIFFERENCE = 2.0  # of 255, mean over a picture
 FULL = "plain moderngl loop"
 SMOOTH = "ours, edges smoothed"
-VIEWS = (0, 60, 111, 170, 222)  # pictures that are compared
+VIEWS = (0, 60, 111, 170, 222)  # numbers of the compared pictures
 
 
 def start() -> tuple[dict[str, Worker], dict[str, str]]:
-    """All renderers that work here, and how they draw."""
+    """All renderers that work on this machine, and a description of how each draws."""
     workers, about = {name: Worker(name) for name in PEERS}, {}
     for name in PEERS:
         try:
@@ -44,10 +44,10 @@ def start() -> tuple[dict[str, Worker], dict[str, str]]:
 
 
 def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictures: int) -> Iterator[Row]:
-    """Pictures per second, and what smooth edges cost."""
+    """Rows of pictures per second at a size, and the cost of smooth edges."""
     for worker in workers.values():
         if worker.ask(size=size) < 10.0:
-            raise SystemExit(f"{worker.name} draws a picture of one color")
+            raise SystemExit(f"{worker.name} draws a picture of a single color")
         worker.draw(3, 0)
     taken: dict[str, list[tuple[float, float]]] = {name: [] for name in workers}
     for k in range(rounds):
@@ -61,8 +61,8 @@ def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictu
     what = f"{size[0]}x{size[1]}"
     yield Row(what, "1/s", ours, f"{ASKED[size]:g}", ours >= ASKED[size], rates, ours / max(rates.values()),
               {name: 1 / value for name, value in cpu.items()}, best)
-    times, least = ours / rates[FULL], ASKED[size] / PLAIN[size]
-    yield Row(f"{what}, over the plain loop", "times", times, f"at least {least:.3g}", times >= least)
+    factor, target = ours / rates[FULL], ASKED[size] / PLAIN[size]
+    yield Row(f"{what}, over the plain loop", "times", factor, f"at least {target:.3g}", factor >= target)
     yield Row(f"{what}, edges smoothed", "1/s", smooth, cpu={"ours": 1 / cpu[SMOOTH]}, best={"ours": best[SMOOTH]})
     cost = 1e3 * (cpu[SMOOTH] - cpu["ours"])
     yield Row(f"{what}: smooth edges, CPU time a picture", "ms", cost, *(("at most 3", cost <= 3.0)
@@ -70,7 +70,7 @@ def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictu
 
 
 def difference(workers: dict[str, Worker], size: tuple[int, int], folder: Path) -> Row:
-    """How far our pictures are from those in full detail."""
+    """Row of the mean difference between our pictures and those of the plain loop."""
     off = []
     for view in VIEWS:
         for name in ("ours", FULL):
@@ -83,6 +83,7 @@ def difference(workers: dict[str, Worker], size: tuple[int, int], folder: Path) 
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer rounds, under a minute")
     rounds, pictures = (3, 5) if parser.parse_args().quick else (9, 15)
@@ -99,7 +100,7 @@ def main() -> None:
             worker.close()
     rows += features.rows(rounds)
     versions = {name: version(name) for name in ("moderngl", "panda3d", "mujoco", "pybullet")}
-    report("render", {"numbers": f"medians of {rounds} rounds of {pictures} pictures in which all take turns",
+    report("render", {"numbers": f"medians over {rounds} rounds of {pictures} pictures, renderers in alternation",
                       "renderers": about, **versions}, rows)
 
 

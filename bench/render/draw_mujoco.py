@@ -1,4 +1,4 @@
-"""MuJoCo in bench.render: mujoco.Renderer through EGL, with 4 samples as it comes, or with none."""
+"""MuJoCo in bench.render: mujoco.Renderer through EGL, with its default of 4 samples or without multisampling."""
 
 import os
 from collections.abc import Callable
@@ -27,7 +27,7 @@ OFF = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION, mujoc
 
 
 class Drawer:
-    """The camera's shadows, reflections, sky box and haze are off."""
+    """Shadows, reflections, sky box and haze are off."""
 
     def __init__(self, samples: str) -> None:
         self.about = f"3 lights, per vertex, {samples} samples"
@@ -49,6 +49,7 @@ class Drawer:
         self._renderer: mujoco.Renderer | None = None
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
         if self._renderer is not None:
             self._renderer.close()
         renderer = self._renderer = mujoco.Renderer(self._model, height, width)
@@ -70,6 +71,7 @@ class Drawer:
 
 
 def _png(pixels: Bytes) -> bytes:
+    """The pixels as a PNG file."""
     import io
 
     file = io.BytesIO()

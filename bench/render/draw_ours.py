@@ -1,4 +1,4 @@
-"""Our renderer in bench.render: the scene as files, drawn lit per pixel with normal maps, sun and three lamps."""
+"""This project's renderer in bench.render: lit per pixel, with normal maps, sun and three lamps, from scene files."""
 
 import math
 import tempfile
@@ -28,7 +28,7 @@ cameras:
 
 
 def write(folder: Path, antialiasing: bool = False) -> Path:
-    """The scene's file, its models and textures in a folder."""
+    """Writes the scene, its models and textures into the folder; returns the path of the scene."""
     for kind in ("scenes", "models", "textures"):
         (folder / kind).mkdir(exist_ok=True)
     things: list[tuple[str, scenery.Mesh, float, int | None]] = [("hill", scenery.hill(), 1.0, None)]
@@ -54,7 +54,7 @@ def write(folder: Path, antialiasing: bool = False) -> Path:
 
 
 class Drawer:
-    """Draws through the same calls as the node does."""
+    """Draws with the same calls as the node."""
 
     def __init__(self, mode: str = "") -> None:
         self.about = "per pixel, 4 lights, normal maps, levels of detail" + (", smooth edges" if mode else "")
@@ -64,6 +64,7 @@ class Drawer:
         self._renderer: Renderer | None = None
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
         if self._renderer is not None:
             self._renderer.release()
         across = 2 * math.atan(math.tan(math.radians(scenery.HEIGHT_OF_VIEW) / 2) * width / height)

@@ -1,4 +1,4 @@
-"""Panda3D in bench.render: without a GPU through EGL, or by its own software rasterizer; lights at the vertices."""
+"""Panda3D in bench.render: through EGL without a GPU, or with its own software rasterizer; lit per vertex."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ SETTINGS = "window-type offscreen\naudio-library-name null\nsync-video 0\ntextur
 
 
 class Drawer:
-    """Its own shader generator needs Cg, which does not run on a software driver, so this is the fixed pipeline."""
+    """Uses the fixed-function pipeline; the shader generator needs Cg, which does not run on a software driver."""
 
     def __init__(self, mode: str) -> None:
         core.load_prc_file_data("", f"load-display {PIPES[mode]}\n{SETTINGS}")
@@ -69,6 +69,7 @@ class Drawer:
         return texture
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
         engine = self._base.graphicsEngine
         engine.remove_all_windows()
         buffers = core.FrameBufferProperties()

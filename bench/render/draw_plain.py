@@ -1,6 +1,6 @@
-"""The plain loop in bench.render: all triangles, trilinear textures, tangent frames and pow() in every pixel.
+"""A plain loop in bench.render: all triangles, trilinear textures, tangent frames and pow() in each pixel.
 
-What a first renderer in moderngl looks like, and the full-detail picture that ours is held against.
+A first renderer in moderngl would look like this; its pictures are the full-detail reference for ours.
 """
 
 from collections.abc import Callable
@@ -16,31 +16,31 @@ from drone_render.gl.uniforms import write
 
 VERTEX = """#version 330
 uniform mat4 clip; uniform mat4 model;
-in vec3 p; in vec3 n; in vec2 t; in vec3 along;
-out vec3 world; out vec3 normal; out vec3 tangent; out vec2 uv;
+in vec3 p; in vec3 n; in vec2 t; in vec3 tangent;
+out vec3 world; out vec3 normal; out vec3 tangent_w; out vec2 uv;
 void main() {
     vec4 w = model * vec4(p, 1);
-    world = w.xyz; normal = mat3(model) * n; tangent = mat3(model) * along; uv = t;
+    world = w.xyz; normal = mat3(model) * n; tangent_w = mat3(model) * tangent; uv = t;
     gl_Position = clip * w;
 }"""
 FRAGMENT = """#version 330
 uniform sampler2D colors; uniform sampler2D bumps;
 uniform vec3 sun; uniform vec3 lamps[3]; uniform vec3 eye;
 uniform float ambient; uniform vec2 shares; uniform float reach; uniform float specular; uniform float shininess;
-in vec3 world; in vec3 normal; in vec3 tangent; in vec2 uv;
+in vec3 world; in vec3 normal; in vec3 tangent_w; in vec2 uv;
 out vec3 pixel;
 void main() {
     vec3 n = normalize(normal);
-    vec3 t = normalize(tangent - n * dot(n, tangent));
+    vec3 t = normalize(tangent_w - n * dot(n, tangent_w));
     vec3 bump = texture(bumps, uv).xyz * 2 - 1;
     n = normalize(mat3(t, cross(n, t), n) * bump);
     vec3 v = normalize(eye - world);
     float diffuse = ambient * (0.75 + 0.25 * n.z) + shares.x * max(dot(n, sun), 0);
     float gloss = shares.x * pow(max(dot(n, normalize(v + sun)), 0), shininess);
     for (int i = 0; i < 3; ++i) {
-        vec3 way = lamps[i] - world;
-        float share = shares.y / (1 + dot(way, way) / (reach * reach));
-        vec3 l = normalize(way);
+        vec3 to_lamp = lamps[i] - world;
+        float share = shares.y / (1 + dot(to_lamp, to_lamp) / (reach * reach));
+        vec3 l = normalize(to_lamp);
         diffuse += share * max(dot(n, l), 0);
         gloss += share * pow(max(dot(n, normalize(v + l)), 0), shininess);
     }
@@ -49,7 +49,7 @@ void main() {
 
 
 class Drawer:
-    """Forty-one draws, the hill first."""
+    """Forty-one draw calls, the hill first."""
 
     about = "per pixel, 4 lights, normal maps, every triangle"
 
@@ -64,18 +64,18 @@ class Drawer:
             self._program[name] = value
         hill, ball = scenery.hill(), scenery.ball()
         self._items = [(self._upload(hill, np.tile([1.0, 0, 0], (len(hill.vertices), 1))), self._maps(None), np.eye(4))]
-        around = np.column_stack([-ball.vertices[:, 1], ball.vertices[:, 0], np.zeros(len(ball.vertices))])
-        around[np.abs(around).sum(axis=1) < 1e-9] = (0, 1, 0)
-        array = self._upload(ball, around)
+        tangents = np.column_stack([-ball.vertices[:, 1], ball.vertices[:, 0], np.zeros(len(ball.vertices))])
+        tangents[np.abs(tangents).sum(axis=1) < 1e-9] = (0, 1, 0)
+        array = self._upload(ball, tangents)
         for k, (position, scale) in enumerate(scenery.balls()):
             model = np.diag([scale, scale, scale, 1.0])
             model[:3, 3] = position
             self._items.append((array, self._maps(k), model))
 
-    def _upload(self, mesh: scenery.Mesh, along: Floats) -> moderngl.VertexArray:
-        columns = np.hstack([mesh.vertices, mesh.normals, mesh.uv, along]).astype("f4")
+    def _upload(self, mesh: scenery.Mesh, tangent: Floats) -> moderngl.VertexArray:
+        columns = np.hstack([mesh.vertices, mesh.normals, mesh.uv, tangent]).astype("f4")
         buffer, index = self._context.buffer(columns.tobytes()), self._context.buffer(mesh.faces.astype("i4").tobytes())
-        return self._context.vertex_array(self._program, [(buffer, "3f 3f 2f 3f", "p", "n", "t", "along")], index)
+        return self._context.vertex_array(self._program, [(buffer, "3f 3f 2f 3f", "p", "n", "t", "tangent")], index)
 
     def _maps(self, number: int | None) -> list[moderngl.Texture]:
         textures = []
@@ -87,6 +87,7 @@ class Drawer:
         return textures
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
         gl, program = self._context, self._program
         target = gl.framebuffer([gl.renderbuffer((width, height), 4)], gl.depth_renderbuffer((width, height)))
         focal = 1 / np.tan(np.radians(scenery.HEIGHT_OF_VIEW) / 2)

@@ -1,4 +1,4 @@
-"""PyBullet in bench.render: getCameraImage with its EGL plugin or its TinyRenderer. It has one light."""
+"""PyBullet in bench.render: getCameraImage with its EGL plugin or its TinyRenderer; it has one light."""
 
 import importlib.util
 import tempfile
@@ -13,7 +13,7 @@ from bench.render.scene import Bytes
 
 
 class Drawer:
-    """Color and depth; it always computes both."""
+    """Draws color and depth; PyBullet always computes both."""
 
     def __init__(self, mode: str) -> None:
         pybullet.connect(pybullet.DIRECT)
@@ -39,6 +39,7 @@ class Drawer:
         pybullet.changeVisualShape(body, -1, textureUniqueId=pybullet.loadTexture(str(texture)), rgbaColor=[1] * 4)
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
         lens = pybullet.computeProjectionMatrixFOV(scenery.HEIGHT_OF_VIEW, width / height, scenery.NEAR, scenery.FAR)
 
         def frame(number: float) -> Bytes:

@@ -1,4 +1,4 @@
-"""What each part of the island's picture costs, in ms: the same views with it and without it, in turns."""
+"""Cost of each feature of the island's picture in ms: the same views with and without it, in alternation."""
 
 import statistics
 import time
@@ -17,8 +17,8 @@ from drone_render.renderer import Renderer
 from drone_sim.wire.markers import Markers
 
 VIEWS = ("chase", "overview", "orbit")
-REPEATS = 4  # of all views in a round
-SEA, SKY = "sea_view", "sky_view"  # views of what others show little of
+REPEATS = 4  # of all views, per round
+SEA, SKY = "sea_view", "sky_view"  # views that show mainly one feature
 ALONE = f"""
 {SEA}: {{pose: [60, 0, 12, 0, 0.45, 0]}}
 {SKY}: {{pose: [0, 0, 12, 0, -0.7, 0]}}
@@ -30,7 +30,7 @@ WITHOUT = {
 
 
 class Camera:
-    """A renderer and what it draws into."""
+    """A renderer and the pictures that it draws into; options: of the Renderer."""
 
     def __init__(self, scene: Scene, graphics: Any, views: tuple[str, ...] = VIEWS, **words: float) -> None:
         self._renderer = Renderer(scene, graphics, **words)
@@ -39,7 +39,7 @@ class Camera:
         self._count = 0
 
     def draw(self) -> None:
-        """Every view once, a little later than before."""
+        """Draws each view once, a little later than the last time."""
         self._count += 1
         for name, picture in self._pictures.items():
             self._renderer.draw_into(picture, name, self._renderer.hierarchy.start, self._count / 60)
@@ -50,12 +50,12 @@ class Camera:
 
     @property
     def count(self) -> int:
-        """Pictures that `draw` draws."""
+        """Number of pictures per call of `draw`."""
         return len(self._pictures)
 
 
 class Debug(Camera):
-    """With the debug view, whose lines are placed anew for every picture."""
+    """With the debug view, whose lines are updated for each picture."""
 
     def __init__(self, scene: Scene, graphics: Any) -> None:
         super().__init__(scene, graphics)
@@ -64,13 +64,14 @@ class Debug(Camera):
         self._shapes = read_markers(Markers(world).message(0))
 
     def draw(self) -> None:
+        """Draws each view once, with updated lines."""
         hierarchy = self._renderer.hierarchy
         self._renderer.show(self._shapes.placed(hierarchy.names, hierarchy.world(hierarchy.start)))
         super().draw()
 
 
 class Ranges(Camera):
-    """Depths and labels instead of colors."""
+    """Depth and labels instead of colors."""
 
     def __init__(self, scene: Scene, graphics: Any) -> None:
         super().__init__(scene, graphics)
@@ -87,7 +88,7 @@ class Ranges(Camera):
 
 
 def rows(rounds: int) -> Iterator[Row]:
-    """The island whole, and what it costs more than without each of its parts."""
+    """The island with all features, and the cost of each feature."""
     island = scenes.load("island").with_cameras(ALONE)
     graphics = context.create()
 
@@ -99,7 +100,7 @@ def rows(rounds: int) -> Iterator[Row]:
         if getattr(island.render, next(iter(change))) is not None:
             cameras[name] = Camera(changed(**change), graphics)
     for light in island.lights:
-        lights = {name: thing for name, thing in island.lights.items() if name != light}
+        lights = {name: value for name, value in island.lights.items() if name != light}
         cameras[f"light '{light}'"] = Camera(island.model_copy(update={"lights": lights}), graphics)
     cameras["the debug view"] = Debug(island, graphics)
     cameras["depth and labels"] = Ranges(island, graphics)
@@ -114,24 +115,24 @@ def rows(rounds: int) -> Iterator[Row]:
     wall, cpu = _measure(cameras, rounds)
     for name, camera in cameras.items():
         if camera.spread() < 4.0:
-            raise SystemExit(f"island, {name}: a picture of one color")
-    usual = {name: statistics.median(times) for name, times in cpu.items()}
+            raise SystemExit(f"island, {name}: a picture of a single color")
+    cpu_median = {name: statistics.median(times) for name, times in cpu.items()}
     rate = 1e3 / statistics.median(wall["everything"])
     yield Row("island, 640x480, everything on, alone", "1/s", rate, "80", rate >= 80.0,
-              cpu={"ours": 1e3 / usual["everything"]}, best={"ours": 1e3 / min(wall["everything"])})
+              cpu={"ours": 1e3 / cpu_median["everything"]}, best={"ours": 1e3 / min(wall["everything"])})
     for name in [name for name in cameras if name != "everything"]:
-        # In the same round, as the machine's speed drifts from one to the next.
+        # Differences within a round, since the speed of the machine drifts between rounds.
         cost = statistics.median(whole - part for whole, part in zip(cpu["everything"], cpu[name], strict=True))
         if "alone" in name or name.startswith("depth"):
-            cost = usual[name]
-        elif isinstance(cameras[name], Debug):  # the only one that is more than everything
+            cost = cpu_median[name]
+        elif isinstance(cameras[name], Debug):  # the only camera that draws more than "everything"
             cost = -cost
         what = f"island, 640x480: {name}, CPU time a picture"
         yield Row(what, "ms", cost, *(("at most 3", cost <= 3.0) if name == "smooth edges" else ()))
 
 
 def _measure(cameras: Mapping[str, Camera], rounds: int) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
-    """ms of wall and of CPU time a picture, in each round; the first of each turn brings back the caches."""
+    """Wall and CPU time in ms per picture, by camera and round; the first pictures of a round refill the caches."""
     walls: dict[str, list[float]] = {name: [] for name in cameras}
     cpus: dict[str, list[float]] = {name: [] for name in cameras}
     for _ in range(rounds):

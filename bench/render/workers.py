@@ -1,7 +1,8 @@
-"""Renderers compared by bench.render, each in its own process: `python -m bench.render.workers NAME` waits for orders.
+"""The renderers of bench.render, each in its own process: `python -m bench.render.workers NAME` waits for requests.
 
-An order is a line of JSON, and so is its answer: {"size": [w, h]} makes ready, {"draw": n, "from": k} draws n pictures
-and tells the s it took, {"save": k, "path": p} draws one and writes it, {"about": true} tells who it is.
+A request is a line of JSON and has a line of JSON as its answer: {"size": [w, h]} prepares, {"draw": n, "first": k}
+draws n pictures from number k on and returns their time in s, {"save": k, "path": p} draws a picture and writes it,
+{"about": true} returns the description.
 """
 
 import importlib
@@ -32,16 +33,16 @@ PEERS = {
 
 
 class Drawer(Protocol):
-    """One who can draw the scene. `about` says how: lights, samples, what is read back."""
+    """A renderer of the scene; about: lights, samples and what is read back."""
 
     about: str
 
     def size(self, width: int, height: int) -> Callable[[float], Bytes]:
-        """What draws the picture of a number, (height, width, 3)."""
+        """Prepares for pictures of this size; returns the function that draws picture k, (height, width, 3)."""
 
 
 class Worker:
-    """A process that draws; it starts while others do, and whoever asks first waits for it."""
+    """A drawing process. It starts in the background; the first request waits for it."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -49,24 +50,27 @@ class Worker:
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def about(self) -> str:
-        """How it draws."""
+        """The renderer's description."""
         return str(self.ask(about=True))
 
-    def ask(self, **order: Any) -> Any:
-        """Gives an order and waits for the answer. Raises RuntimeError with its last line if the process has ended."""
+    def ask(self, **request: Any) -> Any:
+        """Sends a request and waits for the answer.
+
+        Raises RuntimeError with the last line of stderr if the process has ended.
+        """
         assert self._process.stdin and self._process.stdout and self._process.stderr
         try:
-            self._process.stdin.write(json.dumps(order) + "\n")
+            self._process.stdin.write(json.dumps(request) + "\n")
             self._process.stdin.flush()
         except BrokenPipeError:
             pass
-        for line in self._process.stdout:  # libraries talk, too
+        for line in self._process.stdout:  # skips output of the libraries
             if line.startswith("answer "):
                 return json.loads(line.removeprefix("answer "))
-        raise RuntimeError(([*self._process.stderr] or ["ended without a word"])[-1].strip())
+        raise RuntimeError(([*self._process.stderr] or ["ended without a message"])[-1].strip())
 
     def draw(self, count: int, first: int) -> tuple[float, float]:
-        """s of wall and of CPU time that so many pictures take."""
+        """Wall and CPU time in s of `count` pictures."""
         wall, cpu = self.ask(draw=count, first=first)
         return float(wall), float(cpu)
 
@@ -77,26 +81,28 @@ class Worker:
 
 
 def main() -> None:
+    """Serves requests from stdin for the renderer named in the arguments."""
     module, _, mode = PEERS[sys.argv[1]].partition(":")
     drawer: Drawer = importlib.import_module(f"bench.render.{module}").Drawer(*([mode] if mode else []))
     frame: Callable[[float], Bytes] | None = None
     for line in sys.stdin:
-        order = json.loads(line)
+        request = json.loads(line)
         answer: Any = drawer.about
-        if "size" in order:
-            frame = drawer.size(*order["size"])
+        if "size" in request:
+            frame = drawer.size(*request["size"])
             pixels = np.asarray(frame(0))
-            assert pixels.shape == (order["size"][1], order["size"][0], 3) and pixels.dtype == np.uint8, pixels.shape
+            width, height = request["size"]
+            assert pixels.shape == (height, width, 3) and pixels.dtype == np.uint8, pixels.shape
             answer = float(pixels.std())
-        elif "draw" in order:
+        elif "draw" in request:
             assert frame is not None
             wall, cpu = time.perf_counter(), time.process_time()
-            for k in range(order["first"], order["first"] + order["draw"]):
+            for k in range(request["first"], request["first"] + request["draw"]):
                 frame(k)
             answer = time.perf_counter() - wall, time.process_time() - cpu
-        elif "save" in order:
+        elif "save" in request:
             assert frame is not None
-            save(np.ascontiguousarray(frame(order["save"])), Path(order["path"]))
+            save(np.ascontiguousarray(frame(request["save"])), Path(request["path"]))
         print("answer " + json.dumps(answer), flush=True)
 
 

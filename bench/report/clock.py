@@ -1,4 +1,4 @@
-"""Times calls side by side, so that what slows the machine down slows all of them."""
+"""Times several calls in alternation, so that a slow phase of the machine affects all of them alike."""
 
 import gc
 import statistics
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Times(NamedTuple):
-    """s a call: medians over the rounds, and the shortest."""
+    """Seconds per call: medians of wall time and of CPU time over the rounds, and the shortest wall time."""
 
     wall: float
     cpu: float
@@ -16,7 +16,10 @@ class Times(NamedTuple):
 
 
 def side_by_side(calls: Mapping[str, Callable[[], object]], rounds: int, least: float = 0.05) -> dict[str, Times]:
-    """Runs all calls in turn, `rounds` times after one to warm up; short ones again and again for `least` s."""
+    """Times of each call, measured in `rounds` rounds that run all calls in turn, after a warm-up.
+
+    least: a call is repeated within a round until it takes at least this long, s.
+    """
     repeats = {}
     for name, call in calls.items():
         call()

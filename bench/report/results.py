@@ -1,4 +1,4 @@
-"""How every benchmark tells its results: a table in the terminal, and a JSON file under results/."""
+"""Output of all benchmarks: a table in the terminal and a JSON file under results/."""
 
 import json
 import os
@@ -17,8 +17,12 @@ RESULTS = ROOT / "bench" / "results"
 
 @dataclass
 class Row:
-    """One measurement. `ratio` is ours over the best peer, above 1 is better whatever the unit. `cpu` and `best` say
-    what it would be by CPU time, and in the best round: of ours and of the peers. `known` says why it is missed."""
+    """One measurement.
+
+    ours, peers: values of this project and of other libraries, in `unit`; ratio: ours relative to the best peer, above
+    1 is better for any unit; cpu, best: the values by CPU time and of the best round, by name; asked: the target as
+    text; met: whether it is reached, None without a target; known: why a missed target is a known failure.
+    """
 
     work: str
     unit: str
@@ -33,12 +37,12 @@ class Row:
 
     @property
     def failed(self) -> bool:
-        """Whether what was asked is missed, and nobody has said why."""
+        """Whether a target is missed without a known reason."""
         return self.met is False and not self.known
 
 
 def machine() -> dict[str, Any]:
-    """What the numbers were measured on."""
+    """Processor, number of cores, operating system and Python version, for the report."""
     names = [line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
              if line.startswith("model name")]
     return {"processor": names[0] if names else platform.processor(), "cores": os.cpu_count(),
@@ -46,7 +50,7 @@ def machine() -> dict[str, Any]:
 
 
 def report(name: str, settings: dict[str, Any], rows: list[Row]) -> None:
-    """Prints the rows and writes results/<name>.json."""
+    """Prints the rows as a table and writes them to results/<name>.json."""
     table = Table(title=name)
     for title in ("work", "ours", "by CPU", "best", "unit", "peers", "ratio", "asked", "met"):
         table.add_column(title)

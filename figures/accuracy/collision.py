@@ -24,9 +24,13 @@ LEFT, RIGHT = (0.075, 0.125, 0.405, 0.63), (0.575, 0.125, 0.405, 0.63)
 HALO = [withStroke(linewidth=3.5, foreground="white", alpha=0.85)]
 
 
-def panel(figure: Figure, place: style.Place, samples: dict[str, Any], cost: str, error: str, title: str, across: str,
-          up: str, note: Callable[[dict[str, Any]], str], none: str) -> None:
-    """Error over time, both logarithmic; what has no error lies on a line of its own, below, that is called `none`."""
+def panel(figure: Figure, place: style.Place, samples: dict[str, Any], cost: str, error: str, title: str, x_label: str,
+          y_label: str, note: Callable[[dict[str, Any]], str], none: str) -> None:
+    """Error over CPU time, both logarithmic, for all levels and samples.
+
+    cost, error: keys of the values; note: a remark per level; none: label of the line at the bottom, which has the
+    values without an error.
+    """
     axes = figure.add_axes(place)
     points = {(sample, level): (n[cost], n[error]) for sample, levels in samples.items() for level, n in levels.items()}
     wrong = [y for _, y in points.values() if y]
@@ -45,18 +49,18 @@ def panel(figure: Figure, place: style.Place, samples: dict[str, Any], cost: str
         axes.plot(x, y or floor, "o", markersize=9.5, markerfacecolor=face, markeredgecolor=COLORS[level],
                   markeredgewidth=2.0, zorder=4)
     for level, color in COLORS.items():
-        spots = [(x, y or floor) for (_, name), (x, y) in points.items() if name == level]
-        left = max(spots)[0] > low**0.35 * high**0.65
-        x, away = (min(spots)[0], -12) if left else (max(spots)[0], 12)
-        y = float(np.prod([spot[1] for spot in spots])) ** (1.0 / len(spots))
-        for words, rise, size, ink, weight in ((level, 6.0, 10.5, color, "bold"),
+        ends = [(x, y or floor) for (_, name), (x, y) in points.items() if name == level]
+        left = max(ends)[0] > low**0.35 * high**0.65
+        x, offset = (min(ends)[0], -12) if left else (max(ends)[0], 12)
+        y = float(np.prod([end[1] for end in ends])) ** (1.0 / len(ends))
+        for text, rise, size, ink, weight in ((level, 6.0, 10.5, color, "bold"),
                                                (note(samples["flights"][level]), -6.5, 8.5, GRAY, "normal")):
-            axes.annotate(words, (x, y), xytext=(away, rise), textcoords="offset points", color=ink, fontsize=size,
+            axes.annotate(text, (x, y), xytext=(offset, rise), textcoords="offset points", color=ink, fontsize=size,
                           fontweight=weight, va="center", ha="right" if left else "left", zorder=5,
                           path_effects=[] if level == "triangle" else HALO)
     axes.set_title(title, fontsize=11, loc="left", pad=7, fontweight="bold")
-    axes.set_xlabel(across, fontsize=9, labelpad=3)
-    axes.set_ylabel(up, fontsize=9, labelpad=4)
+    axes.set_xlabel(x_label, fontsize=9, labelpad=3)
+    axes.set_ylabel(y_label, fontsize=9, labelpad=4)
     tidy(axes)
     axes.xaxis.set_major_formatter(lambda value, _: number(value))
     axes.yaxis.set_major_formatter(lambda value, _: length(value) if value > 1.8 * floor else "")
@@ -66,15 +70,15 @@ def panel(figure: Figure, place: style.Place, samples: dict[str, Any], cost: str
 
 def levels(result: dict[str, Any]) -> Figure:
     """All poses together: error over time per query."""
-    figure = style.sheet("What accuracy costs in collision", "Each level refines the one before it: a ball around each "
-                         "body, a box, small boxes around the surface, the surface itself.")
+    figure = style.sheet("Cost of accuracy in collision", "Each level refines the one before it: a bounding sphere per "
+                         "body, a bounding box, small boxes around the surface, the triangles of the surface.")
     samples = result["samples"]
-    panel(figure, LEFT, samples, "question_us", "gap_mean", "Do they touch?", "CPU time per question, µs",
-          "apart when it first says yes, mean",
+    panel(figure, LEFT, samples, "question_us", "gap_mean", "Intersection test", "CPU time per test, µs",
+          "distance at the first hit, mean",
           lambda n: f"{100 * n['false'] / n['poses']:.0f} % wrong answers", "exact")
-    panel(figure, RIGHT, samples, "answer_us", "depth_median", "Where, and how deep?",
-          "CPU time for a pair's contacts, µs", "error of the depth, median",
-          lambda n: f"normal off by {n['normal_median']:.0f}°" if n["normal_median"] else
+    panel(figure, RIGHT, samples, "answer_us", "depth_median", "Contacts",
+          "CPU time of the contacts of a pair, µs", "error of the depth, median",
+          lambda n: f"normal error {n['normal_median']:.0f}°" if n["normal_median"] else
           f"no contact in {100 * n['silent'] / n['contacts']:.1f} %", "reference")
     marks = [Line2D([], [], marker="o", markersize=8, markeredgewidth=1.8, markeredgecolor=style.FAINT, color="#b9c0c9",
                     markerfacecolor=style.FAINT if sample == "flights" else "white",
@@ -85,12 +89,12 @@ def levels(result: dict[str, Any]) -> Figure:
 
 
 def models(result: dict[str, Any]) -> Figure:
-    """By what is flown at: how far before it each level cries."""
+    """Distance at the first hit of each level, by model."""
     found = result["models"]["flights"]
     rows = sorted((name for name, n in found.items() if n["obb"]["alarms"]), key=lambda m: found[m]["obb"]["gap_mean"])
-    figure = style.sheet("How far before a thing each level says that the drone touches it", "The mean distance of the "
-                         "surfaces when the level begins to say so, on flights at each thing and past it. What is "
-                         "hollow, or slanted like a roof, pays most; the triangle level says so at the touch.")
+    figure = style.sheet("Distance at the first hit of each level", "The mean distance of the surfaces at the first "
+                         "hit, on flights toward each object and past it. Hollow and slanted objects have the largest "
+                         "distances; the triangle level reports a hit at the touch.")
     axes = figure.add_axes((0.12, 0.115, 0.86, 0.655))
     for y, model in enumerate(rows):
         gaps = {level: found[model][level]["gap_mean"] for level in COLORS if level != "triangle"}
@@ -101,7 +105,7 @@ def models(result: dict[str, Any]) -> Figure:
                 axes.plot(gap, y, "o", markersize=8, color=COLORS[level], zorder=3)
     axes.set(xscale="log", ylim=(-0.7, len(rows) - 0.3))
     axes.set_yticks(range(len(rows)), [model.replace("_", " ") for model in rows])
-    axes.set_xlabel("surfaces apart", fontsize=9, labelpad=2)
+    axes.set_xlabel("distance of the surfaces", fontsize=9, labelpad=2)
     tidy(axes)
     axes.xaxis.set_major_formatter(lambda value, _: length(value))
     axes.tick_params(axis="y", labelsize=9, colors=style.INK)
@@ -113,9 +117,10 @@ def models(result: dict[str, Any]) -> Figure:
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m figures.accuracy.collision",
                                      description="Plots error over CPU time of the collision levels.")
-    parser.add_argument("--out", type=Path, default=OUT, help="folder that has collision.json, and gets the pictures")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder with collision.json, and for the pictures")
     options = parser.parse_args()
     result = json.loads((options.out / "collision.json").read_text())
     for name, draw in (("collision", levels), ("collision_models", models)):

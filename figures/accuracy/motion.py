@@ -1,4 +1,4 @@
-"""Draws what the accuracy of motion costs from docs/accuracy/dynamics.json: python -m figures.accuracy.motion."""
+"""Plots of the cost of accuracy in motion, from docs/accuracy/dynamics.json: python -m figures.accuracy.motion."""
 
 import argparse
 import json
@@ -24,20 +24,20 @@ LINES: dict[str, dict[str, Any]] = {
 }
 NAMES = {"semi implicit euler": "semi-implicit Euler", "midpoint": "midpoint, the default",
          "sub-steps": "midpoint, more sub-steps", "MuJoCo": "MuJoCo, Euler"}
-LEAST = 1e-12  # m, rad: less than this is rounding
-TALL = 7.4  # inches
+LEAST = 1e-12  # m, rad: smaller errors are rounding
+HEIGHT = 7.4  # inches
 
 
-def panel(axes: Axes, lines: dict[str, Any], error: str, title: str, up: str, unit: str) -> None:
-    """One problem: each line from large steps, on the left, to small ones."""
+def panel(axes: Axes, lines: dict[str, Any], error: str, title: str, y_label: str, unit: str) -> None:
+    """One problem: each curve runs from large steps on the left to small ones; error: key of the values."""
     for name, points in lines.items():
         cost = [point["cost_ms"] for point in points]
-        off = [max(point[error], LEAST) for point in points]
-        axes.plot(cost, off, **({"linewidth": 1.5, "markersize": 4.5} | LINES[name]), label=NAMES.get(name, name),
+        errors = [max(point[error], LEAST) for point in points]
+        axes.plot(cost, errors, **({"linewidth": 1.5, "markersize": 4.5} | LINES[name]), label=NAMES.get(name, name),
                   zorder=5 if name in ("midpoint", "sub-steps") else 4)
     axes.set(xscale="log", yscale="log")
     axes.set_title(title, fontsize=10.5, loc="left", pad=6, fontweight="bold")
-    axes.set_ylabel(up, fontsize=8.5, labelpad=3)
+    axes.set_ylabel(y_label, fontsize=8.5, labelpad=3)
     tidy(axes)
     axes.xaxis.set_major_formatter(lambda value, _: number(value))
     axes.yaxis.set_major_formatter(lambda value, _: _named(value, unit))
@@ -55,10 +55,10 @@ def _named(value: float, unit: str) -> str:
 
 
 def diagrams(result: dict[str, Any]) -> Figure:
-    """Six panels: the error of all problems, and of the attitude of the one that tumbles."""
-    figure = style.sheet("What accuracy costs in motion", "Error at the end over CPU time per simulated second. Each "
+    """Six panels: the position errors of all problems, and the attitude error of the tumbling box."""
+    figure = style.sheet("Cost of accuracy in motion", "Error at the end over CPU time per simulated second. Each "
                          "line goes from large steps to small ones; lower and further left is better.")
-    figure.set_size_inches(style.WIDTH, TALL)
+    figure.set_size_inches(style.WIDTH, HEIGHT)
     for line, y in zip(figure.texts, (0.975, 0.925), strict=True):
         line.set_y(y)
     problems = result["problems"]
@@ -80,7 +80,7 @@ def diagrams(result: dict[str, Any]) -> Figure:
 
 
 def publish(axes: Axes, published: list[list[Any]]) -> None:
-    """The figures of Gazebo's benchmark 'boxes', from its authors' machine."""
+    """Draws the published results of Gazebo's benchmark 'boxes'."""
     for i, (_, _, error, cost) in enumerate(published):
         axes.plot(cost, error, "x", color=style.INK, markersize=5.5, markeredgewidth=1.5, zorder=6,
                   label="published: ODE, Bullet, Simbody" if i == 0 else None)
@@ -89,15 +89,15 @@ def publish(axes: Axes, published: list[list[Any]]) -> None:
 
 
 def effects(result: dict[str, Any]) -> Figure:
-    """What each effect costs, and what it is worth."""
-    figure = style.sheet("What each effect costs, and how far off a flight is without it", "CPU time that an effect "
-                         "adds to a step, and the distance between the ends of a reference flight with it and without. "
-                         "What a scene does not name costs nothing.")
+    """CPU time of each effect, and its influence on a flight."""
+    figure = style.sheet("Cost and influence of each effect", "CPU time that an effect adds to a step, and the "
+                         "distance between the ends of a reference flight with and without it. Effects that a scene "
+                         "does not use cost nothing.")
     found = sorted(result["effects"].items(), key=lambda item: -item[1]["off_m"])
     rows = np.arange(len(found))[::-1]
     panels = ((0.16, "us", "CPU time per step, µs", "#7fa8d6", lambda v: f"{v:.2f} µs" if v >= 0.05 else "< 0.05 µs"),
-              (0.60, "off_m", "off without it", "#efa22f", _tell))
-    for left, key, title, color, tell in panels:
+              (0.60, "off_m", "change without it", "#efa22f", _distance))
+    for left, key, title, color, describe in panels:
         axes = figure.add_axes((left, 0.12, 0.36, 0.6))
         values = np.array([cost[key] for _, cost in found])
         if key == "off_m":
@@ -108,7 +108,7 @@ def effects(result: dict[str, Any]) -> Figure:
             axes.set_xlim(0, max(values) * 1.25)
         axes.barh(rows, np.maximum(values, 0.0), height=0.62, color=color, zorder=3)
         for row, (_, cost), value in zip(rows, found, values, strict=True):
-            axes.annotate(tell(cost[key]), (max(value, 0.0), row), xytext=(4, 0), textcoords="offset points",
+            axes.annotate(describe(cost[key]), (max(value, 0.0), row), xytext=(4, 0), textcoords="offset points",
                           va="center", fontsize=8.5, color=style.INK)
         axes.set_title(title, fontsize=10.5, loc="left", pad=6, fontweight="bold")
         axes.set_yticks(rows, [name.replace("_", " ") for name, _ in found] if key == "us" else [])
@@ -119,13 +119,14 @@ def effects(result: dict[str, Any]) -> Figure:
     return figure
 
 
-def _tell(meters: float) -> str:
-    return length(meters) if meters >= 1e-3 else "nothing" if meters == 0.0 else _named(meters, "m")
+def _distance(meters: float) -> str:
+    return length(meters) if meters >= 1e-3 else "none" if meters == 0.0 else _named(meters, "m")
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m figures.accuracy.motion", description=__doc__)
-    parser.add_argument("--out", type=Path, default=OUT, help="folder to read from and to write to")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder with dynamics.json, and for the pictures")
     options = parser.parse_args()
     result = json.loads((options.out / "dynamics.json").read_text())
     for name, draw in (("dynamics", diagrams), ("dynamics_effects", effects)):

@@ -1,6 +1,6 @@
-"""Films the same flight at the four levels of collision, side by side: python -m figures.render.levels_film.
+"""Films the same flight at the four collision levels, side by side: python -m figures.render.levels_film.
 
-Writes levels.mp4 and levels.gif into docs/collision. The commands do not know what comes in the way.
+Writes levels.mp4 and levels.gif into docs/collision. The commands do not depend on what the drone hits.
 """
 
 import argparse
@@ -19,27 +19,27 @@ from figures import DOCS
 
 OUT = DOCS / "collision"
 LEVELS = {
-    "sphere": "one ball around each",
-    "obb": "one box around each",
+    "sphere": "one sphere per body",
+    "obb": "one box per body",
     "octree": "small boxes around the surface",
-    "triangle": "the surface itself",
+    "triangle": "the triangles of the surface",
 }
 DRONE, CAMERA = "user_drone", "overview"
 TILE = (480, 270)  # pixels
 DURATION = 8.0  # s
-FLIGHT = ((0.0, 2.0, 0.0), (4.9, 2.0, -0.6), (5.9, 2.0, 0.0), (6.9, 1.2, 0.6))  # from s on: forward, up in m/s
-GIF_SIZE, GIF_EVERY, GIF_COLORS = (720, 405), 3, 256  # pixels, pictures, of one palette
+FLIGHT = ((0.0, 2.0, 0.0), (4.9, 2.0, -0.6), (5.9, 2.0, 0.0), (6.9, 1.2, 0.6))  # start in s, forward and up in m/s
+GIF_SIZE, GIF_EVERY, GIF_COLORS = (720, 405), 3, 256  # pixels, pictures, size of the palette
 FREE, TOUCHED = (24, 28, 34), (190, 40, 24)
 
 
 def command(time: float) -> Command:
-    """What the drone is told at a time in s, whatever it has met."""
+    """The command at a time in s."""
     _, forward, up = next(part for part in reversed(FLIGHT) if part[0] <= time)
     return forward, 0.0, up, 0.0
 
 
 def at_level(scene: Scene, level: str) -> Scene:
-    """The scene with one level for all that say nothing of their own."""
+    """The scene with this collision level for all objects without a setting of their own."""
     return scene.model_copy(update={"collision": Collision.model_validate({"level": level})})
 
 
@@ -60,13 +60,13 @@ def tiles(scene: Scene, renderer: Renderer) -> Iterator[Image.Image]:
 
 
 def touches(world: World) -> bool:
-    """Whether the drone pushes against something."""
+    """Whether the drone has a contact with a normal impulse."""
     m, drone = world.detection.manifolds, world.model.bodies.names.index(DRONE)
     return any(drone in m.pair[i] and m.total[i, : m.points[i]].any() for i in range(m.count))
 
 
 def write_label(tile: Image.Image, level: str, touched: bool) -> None:
-    """The level and what it is, in the upper left corner; on red while the drone touches something."""
+    """Writes the level and its description into the upper left corner, on red during a contact."""
     draw = ImageDraw.Draw(tile)
     large, small = ImageFont.load_default(22), ImageFont.load_default(14)
     width = max(draw.textlength(level, large), draw.textlength(LEVELS[level], small))
@@ -76,19 +76,20 @@ def write_label(tile: Image.Image, level: str, touched: bool) -> None:
 
 
 def write_gif(sheets: list[Image.Image], rate: float, path: Path) -> None:
-    """A GIF in the colors of its first and last picture: one palette, so that what stands still costs nothing."""
-    both = Image.new("RGB", (GIF_SIZE[0], 2 * GIF_SIZE[1]))
-    both.paste(sheets[0])
-    both.paste(sheets[-1], (0, GIF_SIZE[1]))
-    palette = both.quantize(GIF_COLORS, kmeans=4)
+    """Writes a GIF with one palette, from the first and last pictures, so that unchanged pixels take no space."""
+    first_and_last = Image.new("RGB", (GIF_SIZE[0], 2 * GIF_SIZE[1]))
+    first_and_last.paste(sheets[0])
+    first_and_last.paste(sheets[-1], (0, GIF_SIZE[1]))
+    palette = first_and_last.quantize(GIF_COLORS, kmeans=4)
     frames = [sheet.quantize(palette=palette, dither=Image.Dither.NONE) for sheet in sheets]
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 / rate, loop=0)
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m figures.render.levels_film",
                                      description="Films the same flight at the four levels.")
-    parser.add_argument("--scene", default="ring", help="name of a scene among the assets, or its file")
+    parser.add_argument("--scene", default="ring", help="name of an installed scene, or path of its file")
     parser.add_argument("--out", type=Path, default=OUT, help="folder to write to")
     options = parser.parse_args()
     scene = load(options.scene)

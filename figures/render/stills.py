@@ -1,6 +1,8 @@
-"""Draws the figures of the README: python -m figures.render.stills [NAME ...]. Writes into docs/figures.
+"""Draws the pictures of the README into docs/figures.
 
-All but one are the island with things put where they are seen well; the television is pushed by the physics.
+    python -m figures.render.stills [NAME ...]
+
+All but one show the island with objects placed for the picture; in the other one the simulation moves the television.
 """
 
 import argparse
@@ -23,12 +25,12 @@ from figures import DOCS
 from figures.style import INK
 
 OUT = DOCS / "figures"
-SIZE, QUALITY = (1280, 720), 90  # pixels; of the JPEG
+SIZE, QUALITY = (1280, 720), 90  # pixels; quality of the JPEG files
 Places = Mapping[str, tuple[float, ...]]  # x y z roll pitch yaw of objects
 
 
 def island(camera: str, **render: Any) -> Scene:
-    """The island with one camera more, called 'figure', and other words for its picture."""
+    """The island with an additional camera 'figure' and changed render options."""
     scene = load("island")
     scene = scene.model_copy(update={"render": scene.render.model_copy(update=render)})
     return scene.with_cameras(f"figure: {{size: [{SIZE[0]}, {SIZE[1]}], {camera}}}")
@@ -51,7 +53,7 @@ def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | No
 
 
 def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: float) -> None:
-    """Rotors stand somewhere on their way, each elsewhere."""
+    """Rotates the rotors, each by a different angle."""
     for row, name in enumerate(names):
         if scene.objects[name].rotor is not None:
             angle = 0.7 * row + 40.0 * time
@@ -59,7 +61,7 @@ def _turn_rotors(scene: Scene, poses: Floats, names: tuple[str, ...], time: floa
 
 
 def label(picture: Image.Image, text: str) -> None:
-    """Writes into the lower left corner."""
+    """Writes the text into the lower left corner."""
     pen, font = ImageDraw.Draw(picture), ImageFont.truetype(findfont("DejaVu Sans"), 26)
     left, top, right, bottom = pen.textbbox((28, picture.height - 28), text, font, "ls")
     pen.rectangle((left - 12, top - 10, right + 12, bottom + 10), "white")
@@ -74,7 +76,7 @@ def both_drones() -> Image.Image:
 
 
 def clouds() -> Image.Image:
-    """The clouds at two times, on one sheet."""
+    """The clouds at two times, side by side."""
     scene = island("pose: [7, 2, 1.7, 0, -0.30, 0.50], fov: 1.2")
     whole = Image.new("RGB", SIZE, "white")
     for i, time in enumerate((0.0, 20.0)):
@@ -85,13 +87,13 @@ def clouds() -> Image.Image:
 
 
 def specular() -> Image.Image:
-    """The screen's light on the drone before it, in the evening."""
+    """The screen's light reflected by the drone, in the evening."""
     scene = island("pose: [2.85, -1.20, 1.02, 0, 0.19, 1.32], fov: 1.05", daylight=0.12)
     return draw(scene, {"user_drone": (3.02, -0.05, 0.80, -0.04, 0.08, -0.35)}, time=2.0)
 
 
 def pushed() -> Image.Image:
-    """The drone has flown into the television off its middle, turns it and pushes it along; inset: just before."""
+    """The drone pushes the television off-center, which rotates it; inset: just before the contact."""
     scene = load("island")
     world = World(scene)
     for _ in range(round(scene.rates.physics)):
@@ -111,21 +113,21 @@ def pushed() -> Image.Image:
 
 
 def person() -> Image.Image:
-    """The pilot, seen by a camera of its own."""
+    """The pilot, seen by an additional camera."""
     scene = island("pose: [4, -1, 1.35, 0, -0.09, 0.50], fov: 0.95")
     return draw(scene, {"person": (6.3, -0.3, 0.0, 0.0, 0.0, 2.9),
                         "user_drone": (5.69, 0.62, 1.84, 0.04, 0.08, -2.6)}, time=8.0)
 
 
 def eyes() -> Image.Image:
-    """What the pilot sees."""
+    """The view of the pilot."""
     scene = island("parent: person, pose: [0.16, 0, 1.66], look_at: user_drone, fov: 1.1")
     return draw(scene, {"user_drone": (-1.55, 3.75, 2.16, 0.22, 0.12, 0.3),
                         "ai_drone": (0.2, 2.75, 2.75, 0.0, 0.1, 2.4)}, time=12.0)
 
 
 def debug() -> Image.Image:
-    """What the collision detection sees: a drone pushes a crate, another crate stands, a drone flies free."""
+    """The debug view: a drone pushes a crate, another crate stands, a drone flies."""
     base = load("island")
     places = {
         "user_drone": ((6.85, -6.95, 0.36, 0, 0, 0.4), "octree"),
@@ -133,11 +135,11 @@ def debug() -> Image.Image:
         "crate_1": ((9.3, -7.6, 0, 0, 0, -0.2), "obb"),
         "ai_drone": ((8.9, -6.3, 1.75, 0, 0, -0.6), "octree"),
     }
-    things = {}
+    objects = {}
     for name, (place, level) in places.items():
         collision = ObjectCollision.model_validate({"level": level})
-        things[name] = base.objects[name].model_copy(update={"pose": place, "collision": collision})
-    scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **things}})
+        objects[name] = base.objects[name].model_copy(update={"pose": place, "collision": collision})
+    scene = base.model_copy(update={"description": "debug", "objects": {**base.objects, **objects}})
     world = World(scene)
     for _ in range(60):
         world.step({"user_drone": (0.8, 0.0, 0.0, 0.0)})
@@ -146,7 +148,7 @@ def debug() -> Image.Image:
 
 
 def night() -> Image.Image:
-    """The drone lights the wall of the cottage at nightfall."""
+    """The drone's light on the wall of the cottage at nightfall."""
     scene = island("pose: [-0.80, 6.7, 1.15, 0, -0.17, 1.10], fov: 1.05", daylight=0.14)
     return draw(scene, {"user_drone": (0.40, 10.15, 1.78, 0.06, 0.05, 1.35)}, time=3.0)
 
@@ -157,8 +159,9 @@ FIGURES: dict[str, Callable[[], Image.Image]] = {
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"which: {', '.join(FIGURES)}; all if none is named")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"which: {', '.join(FIGURES)}; default: all")
     names = parser.parse_args().names
     if unknown := set(names) - set(FIGURES):
         parser.error(f"no figure '{min(unknown)}'")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bench.accuracy.collision.approaches import lines
-from bench.accuracy.collision.comparison import Tally, alarms, answers, compare_contacts, count, measure_alarms
+from bench.accuracy.collision.comparison import Tally, answers, compare_contacts, count, first_hits, measure_first_hits
 from bench.accuracy.collision.flights import Encounter
-from bench.accuracy.collision.mesh_distance import gap
+from bench.accuracy.collision.mesh_distance import surface_distance
 from drone_engine.assets import asset_path
 from drone_engine.collision.mesh import octree
 from drone_engine.collision.triangle.closest import closest
@@ -33,7 +33,7 @@ def test_what_a_coarser_level_misses_and_invents_is_counted() -> None:
 def test_an_alarm_begins_after_a_second_without() -> None:
     times = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 5.0, 5.1, 5.2, 9.0, 9.1])
     hit = np.array([0, 1, 0, 1, 1, 1, 1, 0, 0, 1], bool)
-    assert alarms(times, hit) == [(1, True), (5, False), (9, True)]
+    assert first_hits(times, hit) == [(1, True), (5, False), (9, True)]
 
 
 @pytest.mark.parametrize(("pose_a", "pose_b", "apart"), [
@@ -44,8 +44,8 @@ def test_an_alarm_begins_after_a_second_without() -> None:
 ])
 def test_gaps_of_cubes(pose_a: tuple[float, ...], pose_b: tuple[float, ...], apart: float) -> None:
     a, b = np.array(pose_a, float), np.array(pose_b, float)
-    assert gap(CUBE, a, CUBE, b) == pytest.approx(apart, abs=1e-12)
-    assert gap(CUBE, b, CUBE, a) == pytest.approx(apart, abs=1e-12)
+    assert surface_distance(CUBE, a, CUBE, b) == pytest.approx(apart, abs=1e-12)
+    assert surface_distance(CUBE, b, CUBE, a) == pytest.approx(apart, abs=1e-12)
 
 
 def test_gaps_of_many_triangles() -> None:
@@ -56,7 +56,7 @@ def test_gaps_of_many_triangles() -> None:
         apart = np.array([1.2, 0.9, 1.5, 0, 0, 0, 1])
         near = min(closest(tuple(s.ravel()), tuple(t.ravel() + np.tile(apart[:3], 3)))[0]
                    for s in a.corners for t in b.corners)
-        assert gap(a, HERE, b, apart) == pytest.approx(np.sqrt(near), abs=1e-12)
+        assert surface_distance(a, HERE, b, apart) == pytest.approx(np.sqrt(near), abs=1e-12)
 
 
 def test_alarms_of_cubes_begin_where_their_bounds_touch(tmp_path: Path) -> None:
@@ -68,7 +68,7 @@ def test_alarms_of_cubes_begin_where_their_bounds_touch(tmp_path: Path) -> None:
     there[:, 0] = left
     e = Encounter(path, path, -left, np.tile(HERE, (len(left), 1)), there)
     tally = Tally()
-    measure_alarms(tally, e, answers(e))
+    measure_first_hits(tally, e, answers(e))
     assert [len(gaps) for gaps in tally.gaps] == [1, 1, 1, 1]
     assert [gaps[0] for gaps in tally.gaps] == pytest.approx([2 * np.sqrt(3) - 2, 0, 0, 0], abs=1e-4)
 
@@ -77,7 +77,7 @@ def test_each_level_cries_later_than_the_one_before_and_misses_nothing() -> None
     tally = Tally()
     drone, ring = asset_path("models", "drone.obj"), asset_path("models", "ring.obj")
     rows, near = lines(drone, ring, 6, np.random.default_rng(3))
-    measure_alarms(tally, rows, answers(rows))
+    measure_first_hits(tally, rows, answers(rows))
     count(tally, answers(near))
     compare_contacts(tally, near, answers(near))
     sphere, obb, tree, triangle = (np.mean(gaps) for gaps in tally.gaps)

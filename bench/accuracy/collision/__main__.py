@@ -1,4 +1,4 @@
-"""What the accuracy of collision costs: the four levels on poses from real flights and on random ones near touch.
+"""Cost of accuracy in collision: the four levels at poses from flights and at random poses near touch.
 
 Writes docs/accuracy/collision.json and .md; figures.accuracy.collision draws the former.
 """
@@ -16,32 +16,32 @@ from rich.progress import Progress
 
 from bench import ROOT
 from bench.accuracy.collision.approaches import APART, DEEP, EACH, lines
-from bench.accuracy.collision.comparison import CONTACTS, HALVINGS, LEVELS, QUERIES, REPEATS, Tally, judge
-from bench.accuracy.collision.flights import OVER, SPEED, Flight, things
+from bench.accuracy.collision.comparison import CONTACTS, HALVINGS, LEVELS, QUERIES, REPEATS, Tally, evaluate
+from bench.accuracy.collision.flights import CRUISE, SPEED, Flight, targets
 from bench.accuracy.collision.page import text
 from bench.report.results import Row, machine, report
 from drone_engine.assets import asset_path
 from drone_engine.collision_level import TESTED
 
 OUT = ROOT / "docs" / "accuracy"
-SCENES = {"ring": 6, "hangar": 6, "island": 4}  # how often each thing in it is flown at
+SCENES = {"ring": 6, "hangar": 6, "island": 4}  # passes at each target
 MODELS = ("archway", "brick_house", "crate", "drone", "palm", "person", "ring", "rock_round", "table", "television",
-          "truck")  # what a drone comes at along random lines
-LINES = 40  # of each model
+          "truck")  # approached along random lines
+LINES = 40  # per model
 SEED = 1
 
 
 def fly(scene: str, passes: int, tallies: dict[str, Tally], progress: Progress) -> dict[str, float]:
-    """Adds what came near the drone, by model; returns what the detection of a step costs at each level, in us."""
+    """Adds a flight's encounters to the tallies by model; returns the CPU time of detection per step, us, by level."""
     flight = Flight(scene, SEED)
-    names = things(flight.world)
+    names = targets(flight.world)
     task = progress.add_task(f"flying through {scene}", total=passes * len(names))
     for _ in flight.passes(names, passes):
         progress.advance(task)
     encounters = flight.encounters()
-    task = progress.add_task(f"judging {scene}", total=len(encounters) + len(LEVELS))
+    task = progress.add_task(f"evaluating {scene}", total=len(encounters) + len(LEVELS))
     for e in encounters:
-        judge(tallies[e.path_b.stem], e, e)
+        evaluate(tallies[e.path_b.stem], e, e)
         progress.advance(task)
     costs = {}
     for level in TESTED:
@@ -51,7 +51,7 @@ def fly(scene: str, passes: int, tallies: dict[str, Tally], progress: Progress) 
 
 
 def detection_cost(flight: Flight, level: str) -> float:
-    """us of CPU for broad phase and contacts of a step, the mean of the flight's states."""
+    """CPU time in us of broad phase and contacts per step, mean over the states of the flight."""
     world = flight.world
     world.set_collision_level(level)
     runs = []
@@ -66,16 +66,16 @@ def detection_cost(flight: Flight, level: str) -> float:
     return statistics.median(runs)
 
 
-def approach(models: tuple[str, ...], many: int, tallies: dict[str, Tally], progress: Progress) -> None:
-    """Adds what a drone met on random lines, by model."""
+def approach(models: tuple[str, ...], count: int, tallies: dict[str, Tally], progress: Progress) -> None:
+    """Adds the poses of random lines to the tallies by model."""
     random = np.random.default_rng(SEED)
     for model in progress.track(models, description="random lines"):
-        rows, near = lines(asset_path("models", "drone.obj"), asset_path("models", f"{model}.obj"), many, random)
-        judge(tallies[model], rows, near)
+        rows, near = lines(asset_path("models", "drone.obj"), asset_path("models", f"{model}.obj"), count, random)
+        evaluate(tallies[model], rows, near)
 
 
 def summary(tally: Tally) -> dict[str, dict[str, float | int | None]]:
-    """The numbers of each level; m, degrees and us."""
+    """Results of each level, in m, degrees and us."""
     def of(samples: list[float], percent: float | None = None) -> float | None:
         if not samples:
             return None
@@ -84,14 +84,15 @@ def summary(tally: Tally) -> dict[str, dict[str, float | int | None]]:
     return {name: {
         "poses": tally.poses, "hits": tally.hits[i], "false": tally.false[i], "missed": tally.missed[i],
         "alarms": len(tally.gaps[i]), "gap_mean": of(tally.gaps[i]), "gap_95": of(tally.gaps[i], 95),
-        "contacts": len(tally.answer[i]), "silent": tally.silent[i],
+        "contacts": len(tally.contacts_us[i]), "silent": tally.without_contact[i],
         "depth_median": of(tally.depth[i], 50), "depth_95": of(tally.depth[i], 95),
         "normal_median": of(tally.normal[i], 50), "normal_95": of(tally.normal[i], 95),
-        "question_us": of(tally.question[i]), "answer_us": of(tally.answer[i]),
+        "question_us": of(tally.test_us[i]), "answer_us": of(tally.contacts_us[i]),
     } for i, name in enumerate(TESTED)}
 
 
 def whole(tallies: dict[str, Tally]) -> Tally:
+    """Sum of the tallies of all models."""
     total = Tally()
     for tally in tallies.values():
         total.add(tally)
@@ -99,39 +100,40 @@ def whole(tallies: dict[str, Tally]) -> Tally:
 
 
 def rows(result: dict[str, Any]) -> list[Row]:
-    """The samples for the terminal and bench/results."""
+    """The samples for the table and bench/results."""
     found = []
     for sample, levels in result["samples"].items():
         for name, n in levels.items():
             of = f"{sample}, {name}"
-            found += [Row(f"{of}: yes or no, CPU", "us", n["question_us"]),
+            found += [Row(f"{of}: intersection test, CPU", "us", n["question_us"]),
                       Row(f"{of}: contacts, CPU", "us", n["answer_us"]),
                       Row(f"{of}: false contacts", "% of poses", 100 * n["false"] / n["poses"]),
-                      Row(f"{of}: contacts missed", "", n["missed"], "0", n["missed"] == 0),
-                      Row(f"{of}: no contact where surfaces meet", "", n["silent"]),
+                      Row(f"{of}: missed contacts", "", n["missed"], "0", n["missed"] == 0),
+                      Row(f"{of}: intersecting surfaces without contact", "", n["silent"]),
                       Row(f"{of}: gap at the first hit, mean", "m", n["gap_mean"]),
-                      Row(f"{of}: depth off, median", "m", n["depth_median"]),
-                      Row(f"{of}: normal off, median", "deg", n["normal_median"])]
+                      Row(f"{of}: depth error, median", "m", n["depth_median"]),
+                      Row(f"{of}: normal error, median", "deg", n["normal_median"])]
     return found
 
 
 def main() -> None:
+    """Command line; exits with an error if a level misses a contact that a finer one finds."""
     parser = argparse.ArgumentParser(prog="python -m bench.accuracy.collision", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="one scene, two models, few lines: within a minute")
     parser.add_argument("--out", type=Path, default=OUT, help="folder to write to")
     options = parser.parse_args()
     scenes = {"ring": 3} if options.quick else SCENES
-    models, many = (("ring", "rock_round"), 8) if options.quick else (MODELS, LINES)
+    models, count = (("ring", "rock_round"), 8) if options.quick else (MODELS, LINES)
 
     flown: dict[str, Tally] = defaultdict(Tally)
     random: dict[str, Tally] = defaultdict(Tally)
     with Progress() as progress:
         costs = {scene: fly(scene, passes, flown, progress) for scene, passes in scenes.items()}
-        approach(models, many, random, progress)
+        approach(models, count, random, progress)
     samples = {"flights": flown, "random": random}
     result = {
         "machine": machine(),
-        "settings": {"seed": SEED, "passes": scenes, "speed": SPEED, "height": OVER, "models": models, "lines": many,
+        "settings": {"seed": SEED, "passes": scenes, "speed": SPEED, "height": CRUISE, "models": models, "lines": count,
                      "deep": DEEP, "apart": APART, "poses_each": 2 * EACH, "repeats": REPEATS, "questions": QUERIES,
                      "contacts": CONTACTS},
         "samples": {name: summary(whole(tallies)) for name, tallies in samples.items()},
@@ -145,7 +147,7 @@ def main() -> None:
     report("accuracy", result["settings"], rows(result))
     missed = sum(n["missed"] for levels in result["samples"].values() for n in levels.values())
     if missed:
-        raise SystemExit(f"{missed} contacts were missed by a coarser level than the one that found them")
+        raise SystemExit(f"{missed} contacts of a finer level were missed by a coarser one")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The contacts of many poses of two models in a batch, as a solver asks for them: of each pose the deepest one."""
+"""Deepest contact of two models at many poses, in a batch, as the contact solver would get it."""
 
 from functools import cache
 
@@ -14,8 +14,11 @@ from drone_engine.collision.mesh.shape import axes_at
 from drone_engine.collision.placement import PlacedBodies
 
 
-def deepest(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:
-    """Depths (n,) in m, NaN where there is no contact, and unit normals (n, 3) from a to b, for poses (n, 7)."""
+def deepest_contacts(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> tuple[Floats, Floats]:
+    """Depths (n,) in m, NaN without contact, and unit normals (n, 3) from a to b, for poses (n, 7).
+
+    level: collision level, one of TESTED.
+    """
     n = len(poses_a)
     if level == SPHERE:
         hit, normal, _, separation = sphere.contacts(*a.balls(poses_a), *b.balls(poses_b))

@@ -1,4 +1,4 @@
-"""How far the surfaces of two meshes are apart: branch and bound over both octrees, by balls around the nodes."""
+"""Distance of the surfaces of two meshes: branch and bound over both octrees, with bounding spheres of the nodes."""
 
 import math
 
@@ -14,23 +14,27 @@ STACK = 64 * DEPTH
 
 
 @kernel
-def _corners(t, r, shift):
-    """Nine numbers: the corners of a triangle, turned and shifted."""
-    return _seen(r, shift, t[0]) + _seen(r, shift, t[1]) + _seen(r, shift, t[2])
+def _transformed_corners(t, r, shift):
+    """The corners of triangle t (3, 3), rotated by r (9 numbers, row-major) and shifted (3,), as nine numbers."""
+    return _transformed(r, shift, t[0]) + _transformed(r, shift, t[1]) + _transformed(r, shift, t[2])
 
 
 @kernel
-def _seen(r, shift, point):
+def _transformed(r, shift, point):
+    """The point (3,) rotated by r (9 numbers, row-major) and shifted (3,), as three numbers."""
     x, y, z = point[0], point[1], point[2]
     return (r[0] * x + r[1] * y + r[2] * z + shift[0], r[3] * x + r[4] * y + r[5] * z + shift[1],
             r[6] * x + r[7] * y + r[8] * z + shift[2])
 
 
 @kernel
-def _least(box, i, r, shift, other, j):
-    """What two nodes are apart at least, by their bounding balls; r, shift: from the frame of the second into the
-    first's."""
-    x, y, z = _seen(r, shift, other[j])
+def _lower_bound(box, i, r, shift, other, j):
+    """Lower bound of the distance of two nodes, from their bounding spheres.
+
+    box, other: nodes (k, 6), center and half extents; i, j: their rows; r, shift: transform from the second frame to
+    the first.
+    """
+    x, y, z = _transformed(r, shift, other[j])
     dx, dy, dz = x - box[i, 0], y - box[i, 1], z - box[i, 2]
     reach = (math.sqrt(box[i, 3] ** 2 + box[i, 4] ** 2 + box[i, 5] ** 2)
              + math.sqrt(other[j, 3] ** 2 + other[j, 4] ** 2 + other[j, 5] ** 2))
@@ -38,8 +42,11 @@ def _least(box, i, r, shift, other, j):
 
 
 @kernel
-def _gap(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
-    """The least distance of two surfaces that do not meet, in the frame of a."""
+def _search(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
+    """Distance of two surfaces that do not intersect.
+
+    box, link, corners: arrays of both octrees; r, shift: transform from the frame of b to that of a.
+    """
     stack, bound = np.empty((STACK, 2), np.int32), np.empty(STACK)
     stack[0, 0], stack[0, 1], bound[0] = 0, 0, 0.0
     top, best = 1, np.inf
@@ -50,7 +57,7 @@ def _gap(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
             continue
         if link_a[i, 1] == 0 and link_b[j, 1] == 0:
             for t in range(link_b[j, 2], link_b[j, 2] + link_b[j, 3]):
-                there = _corners(corners_b[t], r, shift)
+                there = _transformed_corners(corners_b[t], r, shift)
                 for s in range(link_a[i, 2], link_a[i, 2] + link_a[i, 3]):
                     here = corners_a[s]
                     best = min(best, math.sqrt(closest((here[0, 0], here[0, 1], here[0, 2], here[1, 0], here[1, 1],
@@ -62,20 +69,20 @@ def _gap(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
         first, count = (link_a[i, 0], link_a[i, 1]) if opens_a else (link_b[j, 0], link_b[j, 1])
         for child in range(first, first + count):
             m, n = (child, j) if opens_a else (i, child)
-            least = _least(box_a, m, r, shift, box_b, n)
-            if least >= best:
+            lower = _lower_bound(box_a, m, r, shift, box_b, n)
+            if lower >= best:
                 continue
             at = top
-            while at > base and bound[at - 1] < least:  # the nearest is looked at first
+            while at > base and bound[at - 1] < lower:  # the nearest node is searched first
                 bound[at], stack[at, 0], stack[at, 1] = bound[at - 1], stack[at - 1, 0], stack[at - 1, 1]
                 at -= 1
-            bound[at], stack[at, 0], stack[at, 1] = least, m, n
+            bound[at], stack[at, 0], stack[at, 1] = lower, m, n
             top += 1
     return best
 
 
-def gap(a: Octree, pose_a: Floats, b: Octree, pose_b: Floats) -> float:
-    """What the surfaces at poses (7,) are apart, m; right up to rounding if they do not meet."""
-    turn_a, turn_b = (np.array(matrix(*pose[3:])).reshape(3, 3) for pose in (pose_a, pose_b))
-    turn, shift = turn_a.T @ turn_b, turn_a.T @ (pose_b[:3] - pose_a[:3])
-    return float(_gap(a.box, a.link, a.corners, b.box, b.link, b.corners, tuple(turn.ravel()), shift))
+def surface_distance(a: Octree, pose_a: Floats, b: Octree, pose_b: Floats) -> float:
+    """Distance in m of the surfaces at poses (7,), exact up to rounding unless they intersect."""
+    rotation_a, rotation_b = (np.array(matrix(*pose[3:])).reshape(3, 3) for pose in (pose_a, pose_b))
+    rotation, shift = rotation_a.T @ rotation_b, rotation_a.T @ (pose_b[:3] - pose_a[:3])
+    return float(_search(a.box, a.link, a.corners, b.box, b.link, b.corners, tuple(rotation.ravel()), shift))

@@ -1,66 +1,68 @@
-"""The page about the accuracy of collision, written from what bench.accuracy.collision has measured."""
+"""The page docs/accuracy/collision.md, written from the measured numbers."""
 
 from textwrap import fill
 from typing import Any
 
 LINE = 120  # characters
-PAGE = """# What accuracy costs in collision
+PAGE = """# Cost of accuracy in collision
 
 {summary}
 
 ![Error over time per query of the four levels](collision.png)
 
-`make accuracy` measures it anew and writes this page, [the numbers](collision.json) and the pictures. Here:
-{processor}, one thread, CPU time; other machines differ in microseconds, not in meters.
+`make accuracy` measures and writes this page, [the numbers](collision.json) and the pictures. Measured on:
+{processor}, one thread, CPU time. On other machines the microseconds differ, the meters do not.
 
 ## All poses
 
 {samples}
 
-- **false**: the level says that two bodies touch, and their surfaces do not, in % of all poses. **missed**: it says no,
-  and a finer level says yes. Levels are nested, so this is 0, or `make accuracy` fails.
-- **gap**: how far the surfaces are apart when the level begins to say that they touch, the mean and what 95 % stay
-  below. It is how far before a thing a drone stops that collides at this level.
-- **depth** and **normal**: of the deepest contact that a solver gets, how far its depth and the direction of its normal
-  are from those of the triangle level, which are the reference, where the surfaces meet; the median and what 95 % stay
-  below. **none**: how often a solver gets no contact there that pushes them apart.
-- **yes or no**: what the question costs per pose. **contacts**: what those for a solver cost where the surfaces meet.
+- **false**: the level reports a hit although the surfaces do not intersect, in % of all poses. **missed**: the level
+  reports no hit although a finer level does. Levels are nested, so this is 0; otherwise `make accuracy` fails.
+- **gap**: the distance of the surfaces when the level first reports a hit, mean and 95th percentile. A drone that
+  collides at this level stops that far before an object.
+- **depth** and **normal**: error of the depth and the normal of the deepest contact, relative to the triangle level, at
+  poses where the surfaces intersect; median and 95th percentile. **none**: how often the level gives no contact there.
+- **test**: CPU time of an intersection test per pose. **contacts**: CPU time of the contacts per pose, where the
+  surfaces intersect.
 
 ## By model, on flights
 
-![How far before a thing each level says that the drone touches it](collision_models.png)
+![Distance from an object at which each level first reports a hit](collision_models.png)
 
 {models}
 
 ## In a running scene
 
-What broad phase and contacts of one step cost if all bodies meet at one level, in µs, over the states of the flights:
+CPU time of broad phase and contacts per step if all bodies collide at one level, in µs, mean over the states of the
+flights:
 
 {steps}
 
-## What was measured
+## Method
 
-**Flights**: a drone flies {flights} without a picture, in each at the nearest thing of each model, {passes} times
-in turn: through its middle, then past it at random offsets, along and across, at {speed:g} m/s; it pushes on for a
-second where something stops it. The bodies meet at the triangle level. A pose is that of the drone and of another body,
-in each step in which the broad phase finds their bounding spheres' boxes within 0.1 m: {flight_poses} of them.
+**Flights**: a drone flies {flights} without rendering, in each toward the nearest object of each model, {passes} times:
+through its center, then past it at random offsets, lengthwise and crosswise, at {speed:g} m/s; if something stops it,
+it keeps pushing for a second. The bodies collide at the triangle level. The sample has the poses of the drone and of
+another body in each step in which the broad phase finds the bounds of their spheres within 0.1 m of each other:
+{flight_poses} poses.
 
-**Random**: a drone comes at each of {count} models along {lines} random lines, both turned at random. Gaps are those of
-the lines, 1 cm from one pose to the next. All else is from {each} poses on each line that ends in a touch: half of them
-{deep} mm past it, half {apart} m before it, as many in each decade: {random_poses} of them.
+**Random**: a drone approaches each of {count} models along {lines} random lines, both in random orientations. Gaps are
+measured along the lines, with 1 cm between poses. All other numbers are from {each} poses on each line that ends in a
+touch: half of them {deep} mm past it, half {apart} m before it, log-uniform: {random_poses} poses.
 
-The moment at which a level begins to say yes is found by halving the step {halvings} times; a second has to pass
-without a hit before the next one counts. Gaps are distances of the triangles, by branch and bound over both octrees.
-The exact answer of two surfaces is that of [the triangle level](../hard_cases/README.md); a body wholly inside
-another's surface does not touch it at the levels octree and triangle. Floors are planes, the same at each level, and
-left out. Times are medians of {repeats} runs, after one to warm up, of batches of at least {questions} questions or
-{contacts} poses with contacts of one pair of models; the tables weigh models by their poses. The seed is {seed}: poses
-and errors repeat, times vary.
+The first hit of a level is found by bisecting the step {halvings} times; it counts again only after a second without
+hits. Gaps are distances of the triangle meshes, by branch and bound over both octrees. The exact answer is that of [the
+triangle level](../hard_cases/README.md); a body that lies completely inside another's surface does not touch it at the
+levels octree and triangle. Floors are planes, the same at each level, and left out. Times are medians of {repeats} runs
+after a warm-up, of batches of at least {questions} intersection tests or {contacts} poses with contacts per pair of
+models; the tables weight models by their number of poses. With the seed {seed}, poses and errors are reproducible;
+times vary.
 """
 
 
 def text(result: dict[str, Any], halvings: int) -> str:
-    """The page, as Markdown."""
+    """The page as Markdown; result: contents of collision.json, halvings: bisections per first hit."""
     settings, samples = result["settings"], result["samples"]
     scenes = list(settings["passes"])
     page = PAGE.format(
@@ -74,28 +76,28 @@ def text(result: dict[str, Any], halvings: int) -> str:
         lines=settings["lines"], each=settings["poses_each"], deep=_range(settings["deep"], 1000.0),
         apart=_range(settings["apart"]), random_poses=f"{samples['random']['triangle']['poses']:,}", halvings=halvings,
         **{name: settings[name] for name in ("repeats", "contacts", "questions", "seed")})
-    return "\n\n".join(part if part[0] in "#!|-" else _wrapped(part) for part in page.strip().split("\n\n")) + "\n"
+    return "\n\n".join(part if part[0] in "#!|-" else _filled(part) for part in page.strip().split("\n\n")) + "\n"
 
 
-def summary(samples: dict[str, Any], things: int) -> str:
-    """Two sentences."""
+def summary(samples: dict[str, Any], model_count: int) -> str:
+    """Two sentences with the main results on flights past `model_count` models."""
     n = samples["flights"]
     gaps = {level: _meters(numbers["gap_mean"]) for level, numbers in n.items()}
     costs = {level: f"{numbers['question_us']:.2g}" for level, numbers in n.items()}
-    return (f"On flights past {things} models, one ball around each body says that the drone touches something "
-            f"while the surfaces are still {gaps['sphere']} apart on average, one box at {gaps['obb']}, small "
-            f"boxes around the surface at {gaps['octree']}; the triangles themselves are exact. Asking costs "
-            f"{costs['sphere']}, {costs['obb']}, {costs['octree']} and {costs['triangle']} µs of one core, and no "
-            "level misses what a finer one finds.")
+    return (f"On flights past {model_count} models, bounding spheres report a hit when the surfaces are still "
+            f"{gaps['sphere']} apart on average, bounding boxes at {gaps['obb']}, the octree's boxes at "
+            f"{gaps['octree']}; the triangle level is exact. An intersection test takes {costs['sphere']}, "
+            f"{costs['obb']}, {costs['octree']} and {costs['triangle']} µs on one core, and no level misses a "
+            "hit of a finer one.")
 
 
-def _wrapped(paragraph: str) -> str:
+def _filled(paragraph: str) -> str:
     return fill(" ".join(paragraph.split()), LINE, break_on_hyphens=False)
 
 
 def _samples(samples: dict[str, Any]) -> str:
-    titles = ("poses", "level", "yes or no", "contacts", "false", "missed", "gap (95 %)", "depth off (95 %)",
-              "normal off (95 %)", "none")
+    titles = ("poses", "level", "test", "contacts", "false", "missed", "gap (95 %)", "depth error (95 %)",
+              "normal error (95 %)", "none")
     lines = [f"| {' | '.join(titles)} |", "|---|---|" + "--:|" * 8]
     for sample, levels in samples.items():
         for name, n in levels.items():
@@ -109,7 +111,7 @@ def _samples(samples: dict[str, Any]) -> str:
 
 
 def _models(models: dict[str, Any]) -> str:
-    lines = ["| | gap: sphere | obb | octree | yes or no: sphere | obb | octree | triangle | poses |",
+    lines = ["| | gap: sphere | obb | octree | test: sphere | obb | octree | triangle | poses |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|"]
     for model, n in sorted(models.items(), key=lambda item: -(item[1]["obb"]["gap_mean"] or 0.0)):
         gaps = " | ".join(_meters(n[level]["gap_mean"]) for level in ("sphere", "obb", "octree"))

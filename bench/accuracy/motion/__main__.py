@@ -1,4 +1,4 @@
-"""What accuracy of motion costs: error at the end over CPU time, for every integrator, step and number of sub-steps.
+"""Cost of accuracy in motion: error at the end over CPU time, for all integrators, step sizes and numbers of sub-steps.
 
 Writes docs/accuracy/dynamics.json and .md; figures.accuracy.motion draws the former.
 """
@@ -21,41 +21,42 @@ from bench.accuracy.motion.work_precision import IN_CONTACT, QUICK_RATES, RATES,
 from bench.report.results import Row, machine, report
 
 OUT = ROOT / "docs" / "accuracy"
-# Of Gazebo's benchmark 'boxes': engine, step in ms, error of the position in m, ms of CPU time per simulated s there.
+# Published results of Gazebo's benchmark 'boxes': engine, step in ms, position error in m, CPU ms per simulated s.
 PUBLISHED = (("ODE", 1.0, 0.049, 56.0), ("ODE", 0.1, 0.0049, 550.0), ("Bullet", 1.0, 0.049, 64.0),
              ("Simbody", 1.0, 0.0245, 127.0))
 
 
 def diagrams(rates: Sequence[float], progress: Progress) -> dict[str, Any]:
-    """The points of all lines of all problems."""
+    """Points of all curves of all problems."""
     found: dict[str, Any] = {}
-    for name, problem in PROBLEMS.items():
-        made = problem()
+    for name, create in PROBLEMS.items():
+        problem = create()
         curves = list(lines(name, rates))
-        task = progress.add_task(made.title, total=sum(len(line.points) for line in curves))
-        found[name] = {"title": made.title, "seconds": made.seconds, "lines": {}}
+        task = progress.add_task(problem.title, total=sum(len(line.points) for line in curves))
+        found[name] = {"title": problem.title, "seconds": problem.seconds, "lines": {}}
         for line in curves:
             points = found[name]["lines"][line.name] = []
-            for point in measure(made, line):
+            for point in measure(problem, line):
                 points.append(point)
                 progress.advance(task)
     return found
 
 
 def rows(result: dict[str, Any]) -> Iterator[Row]:
-    """The ends of the lines, and the effects, for the terminal and bench/results."""
+    """The last point of each curve, and the effects, for the table and bench/results."""
     for problem in result["problems"].values():
         for line, points in problem["lines"].items():
             best = points[-1]
             work = f"{problem['title']}, {line}, {best['rate']:g} Hz x {best['substeps']}"
-            yield Row(f"{work}: position off", "m", best["position"])
+            yield Row(f"{work}: position error", "m", best["position"])
             yield Row(f"{work}: CPU per simulated s", "ms", best["cost_ms"])
     for effect, cost in result["effects"].items():
         yield Row(f"effect {effect}: CPU per step", "us", cost["us"])
-        yield Row(f"effect {effect}: off without it after {cost['seconds']:g} s", "m", cost["off_m"])
+        yield Row(f"effect {effect}: change of the position without it after {cost['seconds']:g} s", "m", cost["off_m"])
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m bench.accuracy.motion", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="fewer steps: within a minute")
     parser.add_argument("--out", type=Path, default=OUT, help="folder to write to")

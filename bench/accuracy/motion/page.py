@@ -1,58 +1,57 @@
-"""The page about the accuracy of motion, written from what bench.accuracy.motion has measured."""
+"""The page docs/accuracy/dynamics.md, written from the measured numbers."""
 
 from textwrap import fill
 from typing import Any
 
 LINE = 120  # characters
-PAGE = """# What accuracy costs in motion
+PAGE = """# Cost of accuracy in motion
 
 {summary}
 
-![Error after a while over CPU time per simulated second, for six problems](dynamics.png)
+![Error at the end over CPU time per simulated second, for six problems](dynamics.png)
 
-`make accuracy` measures it anew and writes this page, [the numbers](dynamics.json) and the pictures. Here:
-{processor}, one core, CPU time; other machines differ in milliseconds, not in meters.
+`make accuracy` measures and writes this page, [the numbers](dynamics.json) and the pictures. Measured on:
+{processor}, one core, CPU time. On other machines the milliseconds differ, the meters do not.
 
 ## Integrators, steps and sub-steps
 
-Error of the position, and CPU time per simulated second, at {row_rates} Hz:
+Position error, and CPU time per simulated second, at {row_rates} Hz:
 
 {table}
 
-- **free flight**: a box of 1 x 4 x 9 m, thrown and tumbling about its unstable axis for 10 s, as in the benchmark
-  'boxes' of Gazebo. The path is a parabola; the attitude is known by Jacobi's elliptic functions.
-- **quadrotor with motor lag**: from hovering into a curve, 2 s. The reference is our own at {reference}. Its controller
-  is asked once a sub-step, so that what is left is of first order with any integrator: it is the controller's, which is
-  another one at another rate.
-- **bounce**: a crate falls flat from 1 m and loses nothing, 4 s.{bounce}
-- **incline**: a crate slides down a slope that is half as steep again as its friction would hold, 4 s.
-- **stack**: ten crates of 60 cm stand on each other for 10 s. Here the error is how far the top one has moved.
+- **free flight**: a box of 1 x 4 x 9 m, thrown and tumbling about its unstable axis for 10 s, as in Gazebo's benchmark
+  'boxes'. The path is a parabola; Jacobi's elliptic functions give the attitude.
+- **quadrotor with motor lag**: from hovering into a curve, 2 s. The reference is our own run at {reference}. The
+  controller runs once per sub-step, so the error is of first order with any integrator: a controller at another rate is
+  a different controller.
+- **bounce**: a crate falls flat from 1 m with restitution 1, 4 s.{bounce}
+- **incline**: a crate slides down a slope at 1.5 times the friction angle, 4 s.
+- **stack**: ten crates of 60 cm stand on each other for 10 s. The error is the motion of the top crate.
 
-**sub-steps** are those of a step of 1/{substepped:g} s: contacts are found once a step, and solved once a sub-step.
-With contacts, the other lines of ours have {in_contact} sub-steps a step. MuJoCo {mujoco} and PyBullet {pybullet} run
-beside ours with friction set alike and without damping. MuJoCo's contacts are springs, so that its bounce and its
-stack have an error that no step makes smaller. The published figures are those of 'boxes' at its authors' machine:
-{published}.
+**sub-steps** divide a step of 1/{substepped:g} s: contacts are detected once per step and solved once per sub-step.
+With contacts, our other curves have {in_contact} sub-steps per step. MuJoCo {mujoco} and PyBullet {pybullet} run with
+equal friction and without damping. MuJoCo's contacts are springs, so smaller steps do not remove the error of its
+bounce and stack. The published figures are results of 'boxes' on its authors' machine: {published}.
 
 {attitude}
 
 ## Effects
 
-![What each effect costs, and how far off a flight is without it](dynamics_effects.png)
+![CPU time of each effect, and its influence on a flight](dynamics_effects.png)
 
-What a scene pays for an effect that it names, per step and for the bodies of a reference flight; and how far that
-flight ends from where it does without the effect. An effect that a scene does not name costs nothing.
+CPU time that an effect adds to a step, for the bodies of a reference flight, and the distance between the ends of that
+flight with and without the effect. An effect that a scene does not use costs nothing.
 
 {effects}
 """
-LEAST = 0.05  # us: less is the clock's noise
+LEAST = 0.05  # us, resolution of the measurement
 KEPT_RATES = (60.0, 240.0, 960.0)
 
 
 def text(result: dict[str, Any]) -> str:
-    """The page, as Markdown."""
+    """The page as Markdown; result: contents of dynamics.json."""
     settings = result["settings"]
-    published = "; ".join(f"{engine} {_meters(error)} off in {cost / 1000:g} s per simulated second at {step:g} ms"
+    published = "; ".join(f"{engine} {_meters(error)} error, {cost / 1000:g} s per simulated second at {step:g} ms"
                           for engine, step, error, cost in result["published"])
     page = PAGE.format(
         summary=_summary(result), processor=result["machine"]["processor"],
@@ -66,7 +65,7 @@ def text(result: dict[str, Any]) -> str:
 
 
 def _laid_out(part: str) -> str:
-    """Paragraphs and lists within LINE."""
+    """Paragraphs and lists, filled to LINE characters."""
     if part[0] in "#!|":
         return part
     if part[0] != "-":
@@ -77,22 +76,22 @@ def _laid_out(part: str) -> str:
 
 
 def _bounce(points: list[dict[str, Any]]) -> str:
-    """What there is to say where smaller steps do not help."""
+    """A sentence about bounces, if smaller steps do not reduce their error."""
     if points[-1]["position"] < 0.1:
         return ""
-    return (" Smaller steps do not help: corners that do not land in the same sub-step set it spinning, a "
+    return (" Smaller steps do not help: corners that do not land in the same sub-step cause a rotation, a "
             "[known failure](../hard_cases/README.md#motion).")
 
 
 def _summary(result: dict[str, Any]) -> str:
-    """Three sentences."""
+    """Three sentences with the main results."""
     flight, stack = (result["problems"][name]["lines"] for name in ("flight", "stack"))
     first, second = (_at(flight[name], 240.0) for name in ("semi implicit euler", "midpoint"))
     peer, ours, theirs = _at(flight["MuJoCo"], 240.0), _at(stack["midpoint"], 240.0), _at(stack["MuJoCo"], 240.0)
-    return (f"After 10 s of free flight with 240 steps a second, semi-implicit Euler is {_meters(first['position'])} "
-            f"off, as MuJoCo ({_meters(peer['position'])}) and PyBullet are; the midpoint rule, our default, is off "
-            f"by {_meters(second['position'])} at {second['cost_ms'] / first['cost_ms']:.2f} times the cost. "
-            f"The top of a stack of ten crates moves by {_meters(ours['position'])}, in MuJoCo by "
+    return (f"After 10 s of free flight with 240 steps per second, semi-implicit Euler has a position error of "
+            f"{_meters(first['position'])}, like MuJoCo ({_meters(peer['position'])}) and PyBullet; the midpoint rule, "
+            f"the default, one of {_meters(second['position'])} at {second['cost_ms'] / first['cost_ms']:.2f} times "
+            f"the cost. The top of a stack of ten crates moves by {_meters(ours['position'])}, in MuJoCo by "
             f"{_meters(theirs['position'])}.")
 
 
@@ -112,12 +111,12 @@ def _table(problems: dict[str, Any]) -> str:
 def _attitude(flight: dict[str, Any]) -> str:
     found = [f"{name} {_degrees(_at(points, 240.0)['attitude'])}" for name, points in flight["lines"].items()
              if name != "sub-steps"]
-    return (f"The attitude of the tumbling box, after 10 s with 240 steps a second, is off by: {', '.join(found)}. Its "
-            "axis is unstable: what a step gets wrong grows from turn to turn.")
+    return (f"Attitude error of the tumbling box after 10 s with 240 steps per second: {', '.join(found)}. The "
+            "rotation axis is unstable, so the error of a step grows with each revolution.")
 
 
 def _effects(effects: dict[str, Any]) -> str:
-    lines = ["| effect | µs a step | bodies | flight | without it, the end is off by |", "|---|--:|--:|---|--:|"]
+    lines = ["| effect | µs per step | bodies | flight | change of the end without it |", "|---|--:|--:|---|--:|"]
     for name, cost in effects.items():
         lines.append(f"| {name} | {_us(cost['us'])} | {cost['bodies']} | {cost['flight']}, {cost['seconds']:g} s "
                      f"| {_meters(cost['off_m'])} |")

@@ -1,4 +1,4 @@
-"""Lines of a work-precision diagram: an engine at ever smaller steps, its error at the end, and what it took."""
+"""Curves of a work-precision diagram: error at the end and CPU time of an engine at decreasing step sizes."""
 
 import statistics
 from collections.abc import Callable, Iterator, Sequence
@@ -7,45 +7,49 @@ from time import process_time
 from typing import Any, NamedTuple
 
 from bench.accuracy.motion.problems import Problem, Quadrotor
-from bench.dynamics.engines import Boxes, Engine, MuJoCo, Ours, PyBullet
+from bench.dynamics.engines import BoxScene, Engine, MuJoCo, Ours, PyBullet
 from reference.box_world import Setting
 from reference.motion.cases import INTEGRATORS
 
 RATES = (30.0, 60.0, 120.0, 240.0, 480.0, 960.0, 1920.0)  # Hz
 QUICK_RATES = (60.0, 240.0, 960.0)
-SUBSTEPS = (1, 2, 4, 8, 16, 32)  # at a rate of SUBSTEPPED Hz
-SUBSTEPPED = 60.0
-IN_CONTACT = 4  # sub-steps in problems with contacts while the rate is varied
-SPENT, LONG = 0.05, 0.5  # s of CPU time: so long at least in all runs; after so much there is no other run
+SUBSTEPS = (1, 2, 4, 8, 16, 32)  # at a rate of SUBSTEPPED
+SUBSTEPPED = 60.0  # Hz
+IN_CONTACT = 4  # sub-steps in problems with contacts when the rate varies
+SPENT, LONG = 0.05, 0.5  # s of CPU time: minimum of all runs together; no further run after LONG
 REPEATS = 3
 
 
 class Line(NamedTuple):
-    """One curve: make(what, rate, sub-steps) for each of its points."""
+    """One curve; make(scene, rate, substeps) creates the engine of each point."""
 
     name: str
     make: Callable[[Any, float, int], Engine]
     points: Sequence[tuple[float, int]]
 
 
-def ours(what: Boxes, rate: float, substeps: int, integrator: str) -> Engine:
-    return Ours(what, Setting(rate, substeps, integrator))
+def ours(scene: BoxScene, rate: float, substeps: int, integrator: str) -> Engine:
+    """A World with these boxes."""
+    return Ours(scene, Setting(rate, substeps, integrator))
 
 
-def quadrotor(what: Any, rate: float, substeps: int, integrator: str) -> Engine:
+def quadrotor(scene: Any, rate: float, substeps: int, integrator: str) -> Engine:
+    """The quadrotor; it has no box scene."""
     return Quadrotor(Setting(rate, substeps, integrator))
 
 
-def mujoco(what: Boxes, rate: float, substeps: int, integrator: str) -> Engine:
-    return MuJoCo(what, rate, integrator=integrator)
+def mujoco(scene: BoxScene, rate: float, substeps: int, integrator: str) -> Engine:
+    """MuJoCo with these boxes; substeps are ignored."""
+    return MuJoCo(scene, rate, integrator=integrator)
 
 
-def pybullet(what: Boxes, rate: float, substeps: int) -> Engine:
-    return PyBullet(what, rate)
+def pybullet(scene: BoxScene, rate: float, substeps: int) -> Engine:
+    """PyBullet with these boxes; substeps are ignored."""
+    return PyBullet(scene, rate)
 
 
 def lines(problem: str, rates: Sequence[float]) -> Iterator[Line]:
-    """Ours with each integrator and with more and more sub-steps, then the others."""
+    """The curves of a problem: each integrator, an increasing number of sub-steps, then the other engines."""
     free, flying = problem in ("flight", "quadrotor"), problem == "quadrotor"
     own = quadrotor if flying else ours
     for integrator in INTEGRATORS:
@@ -60,11 +64,11 @@ def lines(problem: str, rates: Sequence[float]) -> Iterator[Line]:
 
 
 def measure(problem: Problem, line: Line) -> Iterator[dict[str, Any]]:
-    """Error at the end and ms of CPU time per simulated s, for each point of a line; long runs are timed once."""
+    """Error at the end and CPU time in ms per simulated s for each point of a curve."""
     for rate, substeps in line.points:
-        engine = line.make(problem.what, rate, substeps)
+        engine = line.make(problem.scene, rate, substeps)
         steps = round(problem.seconds * rate)
-        engine.run(3)  # compiles
+        engine.run(3)  # compiles the kernels
         taken: list[float] = []
         while not taken or sum(taken) < SPENT or (len(taken) < REPEATS and sum(taken) < LONG):
             engine.reset()

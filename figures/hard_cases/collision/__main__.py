@@ -1,4 +1,7 @@
-"""Draws a picture for each family of hard cases of collision: python -m figures.hard_cases.collision [NAME ...]."""
+"""Draws a picture for each family of hard cases of collision.
+
+    python -m figures.hard_cases.collision [NAME ...]
+"""
 
 import argparse
 from collections.abc import Callable
@@ -29,6 +32,7 @@ CASES: dict[str, Callable[[], Figure]] = {
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m figures.hard_cases.collision",
                                      description="Draws the hard cases of collision.")
     parser.add_argument("names", nargs="*", choices=[*CASES, []], metavar="NAME", help=f"which: {', '.join(CASES)}")

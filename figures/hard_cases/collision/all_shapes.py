@@ -1,4 +1,4 @@
-"""What holds for all shapes: levels that are nested, answers that do not depend on the order, and the broad phase."""
+"""Pictures of properties of all shapes: nested levels, answers independent of the order, and the broad phase."""
 
 import itertools
 from textwrap import fill
@@ -22,41 +22,41 @@ from figures.hard_cases.collision.boxes import (
     Box,
     brought_to_touch,
     grids,
-    moved,
+    moved_grid,
     name_both,
+    rotation_rows,
     rows,
-    turn,
 )
 from reference import textbook
 
 LEVELS = ("sphere", "obb", "octree", "triangle")
 PROBES = np.array([[1.38, 0.0, 0.62], [0.1, 0.0, -0.08], [-0.62, 0.0, 0.52], [-0.51, 0.0, -0.51]])
-PROBE = 0.1  # m, half of a probe's box
+PROBE = 0.1  # m, half extent of a probe
 
 
-def torus(around: int = 32, across: int = 10, radius: float = 1.0, thickness: float = 0.2) -> tuple[Floats, Integers]:
+def torus(around: int = 32, sides: int = 10, radius: float = 1.0, thickness: float = 0.2) -> tuple[Floats, Integers]:
     """Vertices and faces of a ring about y."""
-    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
-    a, b = 2 * np.pi * u / around, 2 * np.pi * v / across
+    u, v = np.meshgrid(np.arange(around), np.arange(sides), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * v / sides
     reach = radius + thickness * np.cos(b)
     vertices = np.stack([reach * np.cos(a), thickness * np.sin(b), reach * np.sin(a)], axis=-1).reshape(-1, 3)
 
     def number(i: Integers, j: Integers) -> Integers:
-        return np.asarray(i % around * across + j % across)
+        return np.asarray(i % around * sides + j % sides)
 
     p, q, r, s = number(u, v), number(u + 1, v), number(u + 1, v + 1), number(u, v + 1)
     return vertices, np.concatenate([np.stack([p, q, r], -1), np.stack([p, r, s], -1)]).reshape(-1, 3)
 
 
 def octahedron(center: Floats) -> Floats:
-    """Triangles (8, 3, 3) of a probe."""
+    """Triangles (8, 3, 3) of a probe at the center (3,)."""
     tips = PROBE * np.eye(3)
     signs = itertools.product((1, -1), repeat=3)
     return np.array([[center + x * tips[0], center + y * tips[1], center + z * tips[2]] for x, y, z in signs])
 
 
 def hits(corners: Floats, leaves: Floats, probe: Floats) -> dict[str, bool]:
-    """The answer of each level for the ring (its triangles; its leaves (k, 6)) and the probe at (3,)."""
+    """Answers of each level for a ring (triangles `corners`, octree leaves (k, 6)) and a probe at (3,)."""
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     reach = np.linalg.norm(high - low) / 2 + np.sqrt(3) * PROBE
     eight = octahedron(probe)
@@ -69,6 +69,7 @@ def hits(corners: Floats, leaves: Floats, probe: Floats) -> dict[str, bool]:
 
 
 def levels_nested() -> Figure:
+    """A ring at the four levels and four probes."""
     vertices, faces = torus()
     tree = octree.build(vertices, faces)
     leaves = tree.box[tree.link[:, 1] == 0]
@@ -77,9 +78,9 @@ def levels_nested() -> Figure:
     found = [hits(corners, leaves, probe) for probe in PROBES]
     figure = style.sheet(
         "Levels are nested",
-        "A ring at the four levels, and four small bodies. Each level refines the one before: who meets at a fine "
-        "level, meets at all coarser ones. So a no is final wherever it falls, and what a coarse level sees is never "
-        "less.")
+        "A ring at the four levels, and four small bodies. Each level refines the one before: a hit at a fine level "
+        "is also a hit at all coarser ones. So a miss at any level is final, and a coarser level never misses a hit "
+        "of a finer one.")
     for i, level in enumerate(LEVELS):
         left = 0.005 + 0.248 * i
         axes = style.space(figure, (left, 0.12, 0.245, 0.66), (-1.5, -0.5, -1.5), (1.5, 0.5, 1.5), (10, -72), 1.26)
@@ -102,7 +103,7 @@ def levels_nested() -> Figure:
 
 
 def draw_ball(axes: Any, center: Floats, radius: float) -> None:
-    """A sphere as its circles of latitude and longitude."""
+    """Draws a sphere as circles of latitude and longitude."""
     t = np.linspace(0, 2 * np.pi, 61)
     level = [center + radius * np.column_stack([np.cos(a) * np.cos(t), np.cos(a) * np.sin(t), np.full(61, np.sin(a))])
              for a in np.linspace(-1.25, 1.25, 7)]
@@ -112,21 +113,22 @@ def draw_ball(axes: Any, center: Floats, radius: float) -> None:
 
 
 def symmetry() -> Figure:
-    a = Box(np.array([0.1, 0.15, 0.1]), turn(0.4, -0.3, 0.5), np.array([0.5, 0.35, 0.3]))
-    b = Box(np.array([0.75, 0.7, 0.62]), turn(-0.5, 0.6, 0.2), np.array([0.35, 0.45, 0.25]))
+    """Map of pairs whose answer changes if A and B are swapped."""
+    a = Box(np.array([0.1, 0.15, 0.1]), rotation_rows(0.4, -0.3, 0.5), np.array([0.5, 0.35, 0.3]))
+    b = Box(np.array([0.75, 0.7, 0.62]), rotation_rows(-0.5, 0.6, 0.2), np.array([0.35, 0.45, 0.25]))
     b = brought_to_touch(a, b)
     figure = style.sheet(
         "A against B, B against A",
-        "Swapping the two must give the same answer and the opposite normal, or the outcome of a flight depends on "
-        "who is listed first. A test that turns one box into the frame of the other rounds differently each way.")
+        "Swapping the two must give the same answer and the opposite normal; otherwise the result of a flight depends "
+        "on the order of the objects. A test in the frame of one of the boxes rounds differently in each order.")
     space = style.space(figure, style.SHAPES, (-0.6, -0.6, -0.5), (1.3, 1.2, 1.1))
     style.draw_box(space, *a, style.FIRST)
     style.draw_box(space, *b, style.SECOND)
     name_both(space, a, b)
     n = (2 * REACH + 1) ** 2
-    second = moved(b, *grids(), 0, 1)
+    second = moved_grid(b, *grids(), 0, 1)
     pairs = [np.broadcast_to(part, (n, *part.shape[1:])) for part in (*rows(a), *second)]
-    meanings = {style.HIT: "both say: they meet", style.APART: "both say: they do not", style.INVENTED: "they differ"}
+    meanings = {style.HIT: "hit in both orders", style.APART: "no hit in both orders", style.INVENTED: "answers differ"}
     for place, answer, name in ((style.FIRST_MAP, textbook.boxes, "float64"),
                                 (style.SECOND_MAP, obb.intersects, "exact")):
         one, other = (answer(*map(np.ascontiguousarray, order)) for order in (pairs, pairs[3:] + pairs[:3]))
@@ -138,54 +140,55 @@ def symmetry() -> Figure:
     return figure
 
 
-BODIES = np.array([  # x, y of the lower left corner, width, height, in sectors
+BODIES = np.array([  # x, y of the lower left corner, width, height, in cells
     [-3.4, 0.25, 5.0, 0.5], [1.35, 0.55, 0.5, 0.9], [-3.2, -0.5, 0.5, 1.0], [-1.3, -2.1, 0.9, 0.8],
     [-0.6, -1.6, 1.3, 0.5], [1.65, -1.7, 0.5, 1.5], [1.9, -0.5, 0.7, 0.6], [-2.7, -2.4, 0.5, 0.5],
     [-1.6, 1.4, 0.6, 1.1], [-1.2, 2.2, 1.3, 0.4], [0.9, 2.0, 0.5, 0.5], [-3.3, 1.5, 0.7, 0.7]])
 
 
 def broad_phase() -> Figure:
+    """Pairs found by the grid, and by a grid that stores bodies by their centers only."""
     figure = style.sheet(
-        "Broad phase: bodies over many sectors, 1 mm beside 1 km",
-        "The grid has to find every pair of bounds that overlap, each once, on either side of the origin, whatever "
-        "their sizes. Filed under its center alone, a long body is missed at its ends, even if neighboring sectors "
-        "are searched.")
+        "Broad phase: bodies over many cells, 1 mm beside 1 km",
+        "The grid has to find each pair of overlapping bounds once, on either side of the origin and for all sizes. "
+        "If a long body is stored only in the cell of its center, pairs at its ends are missed, even if neighboring "
+        "cells are searched.")
     low, high = BODIES[:, :2], BODIES[:, :2] + BODIES[:, 2:]
     true = [(i, j) for i, j in itertools.combinations(range(len(BODIES)), 2)
             if (low[i] <= high[j]).all() and (low[j] <= high[i]).all()]
-    sector = np.floor((low + high) / 2)
-    near = np.array([(np.abs(sector[i] - sector[j]) <= 1).all() for i, j in true])
+    cell = np.floor((low + high) / 2)
+    near = np.array([(np.abs(cell[i] - cell[j]) <= 1).all() for i, j in true])
     ours = pairs_of_grid(np.pad(low, ((0, 0), (0, 1))), np.pad(high, ((0, 0), (0, 1)), constant_values=1.0))
     here = np.array([pair in ours for pair in true])
-    panels = ((0.025, near, "filed under its center"), (0.345, here, "in every sector it overlaps"))
+    panels = ((0.025, near, "stored by its center"), (0.345, here, "stored in each overlapped cell"))
     for left, found, title in panels:
         missed = int((~found).sum())
         axes = figure.add_axes((left, 0.035, 0.30, 0.645))
         note = f"{missed} of {len(true)} pairs missed" if missed else f"all {len(true)} pairs found"
         axes.set_title(f"{title}:\n{note}", fontsize=10, loc="left", fontweight="bold", pad=6,
                        color=style.MISSED if missed else style.INK)
-        draw_plane(axes, true, found, sector if missed else None)
+        draw_plane(axes, true, found, cell if missed else None)
     draw_sizes(figure.add_axes((0.665, 0.035, 0.325, 0.645)))
     return figure
 
 
 def pairs_of_grid(low: Floats, high: Floats) -> set[tuple[int, int]]:
-    """What the broad phase finds for boxes that all move; corners (n, 3)."""
+    """Pairs that the broad phase finds for movable boxes with bounds low and high, (n, 3)."""
     every = np.ones(len(low), bool)
     a, b = grid.Grid((high - low) / 2).pairs(low, high, every, every)
     return set(zip(a.tolist(), b.tolist(), strict=True))
 
 
 def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, centers: Floats | None) -> None:
-    """The bodies from above, the sectors of the long one, and lines between the pairs."""
+    """Draws the bodies from above, the cells of the long one, and marks at the pairs."""
     axes.set(xlim=(-4, 3), ylim=(-3, 3), aspect="equal", xticks=range(-4, 4), yticks=range(-3, 4),
              anchor="N")
     axes.grid(color=style.APART, linewidth=1.2)
     axes.set_axisbelow(True)
     axes.tick_params(length=0, labelsize=7.5)
     first, last = np.floor(BODIES[0, :2]), np.floor(BODIES[0, :2] + BODIES[0, 2:])
-    across = np.arange(first[0], last[0] + 1) if centers is None else centers[:1, 0]
-    for x in across:
+    columns = np.arange(first[0], last[0] + 1) if centers is None else centers[:1, 0]
+    for x in columns:
         axes.add_patch(Rectangle((x, first[1]), 1, 1, facecolor=style.SECOND, alpha=0.25, zorder=0))
     for i, (x, y, width, height) in enumerate(BODIES):
         color = style.SECOND if i == 0 else style.FIRST
@@ -201,7 +204,7 @@ def draw_plane(axes: Axes, pairs: list[tuple[int, int]], found: Booleans, center
 
 
 def draw_sizes(axes: Axes) -> None:
-    """A body of a millimeter at the wall of a hall of a kilometer, in three steps of magnification."""
+    """Draws a body of a millimeter at the wall of a hall of a kilometer, in three magnifications."""
     axes.set(xlim=(0, 3), ylim=(-0.45, 2.1), aspect="equal")
     axes.set_axis_off()
     axes.set_anchor("N")
@@ -225,6 +228,6 @@ def draw_sizes(axes: Axes) -> None:
                 axes.plot([right + 0.05, x + 1.0], [1.19 + side * 0.05, 1.19 + side * 0.44], "-", color=style.FAINT,
                           linewidth=0.7)
         axes.text(x + 0.44, 0.62, name, ha="center", va="top", fontsize=9)
-    text = ("In sectors that suit the small one, the hall would stand in 1e17 of them. So bodies of very "
-            "different sizes have grids of their own, and each is looked up in those of the others.")
+    text = ("In cells of the size of the small body, the hall would occupy 1e17 of them. So bodies of very "
+            "different sizes are in separate grids, and each is looked up in those of the others.")
     axes.text(0.05, 0.28, fill(text, 50), va="top", fontsize=8.5, color="#444c56", linespacing=1.35)

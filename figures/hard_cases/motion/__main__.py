@@ -1,6 +1,6 @@
-"""Draws a picture for each hard case of motion from docs/hard_cases/motion.json: what moves, and what it reached.
+"""Draws a picture for each hard case of motion from docs/hard_cases/motion.json.
 
-python -m figures.hard_cases.motion [NAME ...]
+    python -m figures.hard_cases.motion [NAME ...]
 """
 
 import argparse
@@ -27,13 +27,13 @@ SHAPES: dict[str, Callable[[Figure], None]] = {
 
 
 def draw(name: str, case: dict[str, Any]) -> Figure:
-    """What moves on the left, one or two panels on the right."""
-    figure = style.sheet(case["title"], f"{case['tries']} Held to: {case['held_to']}.")
+    """The sketch on the left, one or two plots on the right."""
+    figure = style.sheet(case["title"], f"{case['tries']} Criterion: {case['held_to']}.")
     SHAPES[name](figure)
     holds = all(one["met"] for run in case["runs"] for one in run["reached"])
-    style.label(figure, 0.985, 0.945, "holds" if holds else "known failure", ha="right", fontsize=10.5,
+    style.label(figure, 0.985, 0.945, "meets its limits" if holds else "known failure", ha="right", fontsize=10.5,
                 fontweight="bold", color=HOLDS if holds else style.MISSED)
-    for panel, place in zip(PANELS[name], shapes.places(len(PANELS[name])), strict=True):
+    for panel, place in zip(PANELS[name], shapes.panel_places(len(PANELS[name])), strict=True):
         panel(figure, place, case["runs"])
     meanings = {label: line for axes in figure.axes
                 for line, label in zip(*axes.get_legend_handles_labels(), strict=True) if not axes.get_legend()}
@@ -44,6 +44,7 @@ def draw(name: str, case: dict[str, Any]) -> Figure:
 
 
 def main() -> None:
+    """Command line."""
     parser = argparse.ArgumentParser(prog="python -m figures.hard_cases.motion",
                                      description="Draws the hard cases of motion.")
     parser.add_argument("names", nargs="*", choices=[*SHAPES, []], metavar="NAME", help=f"which: {', '.join(SHAPES)}")

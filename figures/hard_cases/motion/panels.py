@@ -1,4 +1,4 @@
-"""The plots of the hard cases of motion: what was measured over time, for each setting, and the limit."""
+"""Plots of the hard cases of motion: measured values over time for each setting, with their limits."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -22,11 +22,12 @@ Panel = Callable[[Figure, style.Place, Sequence[Run]], None]
 ORDERS = {1: "first order", 2: "second order", 4: "fourth order"}
 
 
-def empty(figure: Figure, place: style.Place, title: str, across: str, up: str = "") -> Axes:
+def plot_axes(figure: Figure, place: style.Place, title: str, x_label: str, y_label: str = "") -> Axes:
+    """Axes with title, labels and grid."""
     axes = figure.add_axes(place)
     axes.set_title(title, fontsize=10.5, loc="left", pad=6, fontweight="bold")
-    axes.set_xlabel(across, fontsize=8.5, labelpad=2)
-    axes.set_ylabel(up, fontsize=8.5, labelpad=2)
+    axes.set_xlabel(x_label, fontsize=8.5, labelpad=2)
+    axes.set_ylabel(y_label, fontsize=8.5, labelpad=2)
     axes.grid(color=GRID, linewidth=0.8, zorder=0)
     axes.set_axisbelow(True)
     axes.tick_params(length=2, labelsize=8, colors=GRAY)
@@ -36,44 +37,50 @@ def empty(figure: Figure, place: style.Place, title: str, across: str, up: str =
 
 
 def limit(axes: Axes, value: float, text: str) -> None:
-    """A line that must not be crossed."""
+    """Draws a limit as a dashed line with its text."""
     axes.axhline(value, color=style.MISSED, linewidth=1.2, linestyle=(0, (5, 3)), zorder=4)
     axes.annotate(text, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points",
                   ha="right", va="bottom", fontsize=8, color=style.MISSED)
 
 
-def names(axes: Any, where: str) -> None:
+def legend(axes: Any, where: str) -> None:
+    """Draws the legend of the axes."""
     axes.legend(loc=where, frameon=False, fontsize=8, handlelength=1.6, labelcolor=style.INK)
 
 
-def over_time(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, up: str,
-              bound: float | None = None, text: str = "", log: bool = False, both: bool = False, late: bool = True,
-              scale: float = 1.0) -> None:
-    """One line for each setting. bound: on both sides if `both`; log: of the values; late: time is linear, else not;
-    scale: of the values, to the unit that is shown."""
-    axes = empty(figure, place, title, "time, s", up)
+def over_time(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, y_label: str,
+              bound: float | None = None, text: str = "", log: bool = False, symmetric: bool = False,
+              log_time: bool = False, scale: float = 1.0) -> None:
+    """Values over time, one curve per setting.
+
+    bound, text: a limit and its label, drawn on both sides of 0 if `symmetric`; log, log_time: logarithmic axes; scale:
+    factor of the values.
+    """
+    axes = plot_axes(figure, place, title, "time, s", y_label)
     least = 1e-4 * (bound or 1.0)
     for i, run in enumerate(runs):
         values = scale * np.array(run["series"][series])
         t = np.array(run["series"]["time_s"])[: len(values)]
-        axes.plot(t[not late :], (np.maximum(values, least) if log else values)[not late :], label=run["setting"],
-                  **LINES[i])
+        if log:
+            values = np.maximum(values, least)
+        first = int(log_time)  # without time 0
+        axes.plot(t[first:], values[first:], label=run["setting"], **LINES[i])
     if log:
         axes.set_yscale("log")
-    if not late:
+    if log_time:
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     if bound is not None:
         limit(axes, bound, text)
-        if both:
+        if symmetric:
             limit(axes, -bound, "")
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (2.5 if log else 1.0) + (0.0 if log else 0.08 * (high - low)))
 
 
-def convergence(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, up: str) -> None:
-    """Error over step, both logarithmic, with the order that was found."""
-    axes = empty(figure, place, title, "step, ms", up)
+def convergence(figure: Figure, place: style.Place, runs: Sequence[Run], series: str, title: str, y_label: str) -> None:
+    """Error over step size, both logarithmic, with the measured order."""
+    axes = plot_axes(figure, place, title, "step, ms", y_label)
     axes.set(xscale="log", yscale="log")
     for i, run in enumerate(runs):
         step, error = 1000.0 * np.array(run["series"]["step_s"]), np.maximum(run["series"][series], 1e-15)
@@ -85,16 +92,16 @@ def convergence(figure: Figure, place: style.Place, runs: Sequence[Run], series:
     axes.set_xticks(steps, [f"{step:.2g}" for step in steps])
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** 0.35)
-    names(axes, "upper left")
+    legend(axes, "upper left")
 
 
 def shots(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
-    """How near each of some shots came to the middle of the plate."""
+    """Closest distance of some shots to the center of the plate, over their speed."""
     series = runs[0]["series"]
     speed, near = np.array(series["speed_m_s"]), 100.0 * np.array(series["nearest_m"])
     reached = runs[0]["reached"][0]
     title = f"{reached['value']:.0f} {reached['what']}"
-    axes = empty(figure, place, title, "speed, m/s", "nearest to the plate's middle, cm")
+    axes = plot_axes(figure, place, title, "speed, m/s", "closest to the plate's center, cm")
     axes.set_xscale("log")
     axes.axhspan(-0.5, 0.5, color="#c9d1da", zorder=1)
     behind = near < 0.0
@@ -108,8 +115,8 @@ def shots(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
 
 
 def slide(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
-    """Speed beside Coulomb's."""
-    axes = empty(figure, place, "Speed", "time, s", "cm/s")
+    """Speed of the crate beside that of Coulomb friction."""
+    axes = plot_axes(figure, place, "Speed", "time, s", "cm/s")
     t = np.array(runs[0]["series"]["time_s"])
     for i, run in enumerate(runs):
         axes.plot(t, 100.0 * np.array(run["series"]["speed_m_s"]), label=run["setting"], **LINES[i])
@@ -119,67 +126,70 @@ def slide(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
 
 
 def drifts(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
-    """How far each thing that can move is from where it came to rest."""
+    """Distance of each movable object from the place where it came to rest."""
     series = runs[0]["series"]
     most = max(one["value"] for one in runs[0]["reached"] if one["unit"] == "mm")
-    axes = empty(figure, place, f"Moved since it came to rest: {most:.1g} mm at most", "simulated time, h", "mm")
+    axes = plot_axes(figure, place, f"Drift since the start of rest: at most {most:.1g} mm", "simulated time, h", "mm")
     for i, name in enumerate(name for name in series if name.endswith("_mm")):
-        away = np.maximum(np.array(series[name]), 1e-15)
-        axes.plot(np.array(series["time_s"]) / 3600.0, away, linewidth=1.5, color=colormaps["tab10"](i),
+        distance = np.maximum(np.array(series[name]), 1e-15)
+        axes.plot(np.array(series["time_s"]) / 3600.0, distance, linewidth=1.5, color=colormaps["tab10"](i),
                   label=name.removesuffix("_mm").replace("_", " "))
     axes.set_yscale("log")
     axes.set_ylim(5e-16, 30.0)
     limit(axes, 1.0, "1 mm")
 
 
-def twice(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
-    """Heights in both worlds, one over the other."""
+def both_runs(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
+    """Heights in both worlds, drawn over each other."""
     series = runs[0]["series"]
     t, first, second = np.array(series["time_s"]), np.array(series["first_m"]), np.array(series["second_m"])
     differ = sum(one["value"] for run in runs for one in run["reached"])
-    axes = empty(figure, place, f"{differ:.0f} states differ", "time, s", "heights of crates and of the drone, m")
+    axes = plot_axes(figure, place, f"{differ:.0f} states differ", "time, s", "heights of crates and drone, m")
     for i in range(first.shape[1]):
-        once, again = ("once", "again") if i == 0 else (None, None)
+        once, again = ("first run", "second run") if i == 0 else (None, None)
         axes.plot(t, first[:, i], color=style.FIRST, linewidth=2.6, alpha=0.55, label=once)
         axes.plot(t[::2], second[::2, i], ".", color=style.SECOND, markersize=3.4, label=again)
 
 
-def late(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
-    """Simulated time and the lag that is reported, over the wall clock."""
+def stalled_clock(figure: Figure, place: style.Place, runs: Sequence[Run]) -> None:
+    """Simulated time and reported lag over the wall clock."""
     series = runs[0]["series"]
-    axes = empty(figure, place, "Simulated time goes on where it was", "wall clock, s", "s")
+    axes = plot_axes(figure, place, "Simulated time continues without a jump", "wall clock, s", "s")
     axes.plot(series["wall_s"], series["wall_s"], color=GRAY, linewidth=1.0, linestyle=(0, (2, 2)), label="wall clock")
     for name, color, label in (("time_s", style.FIRST, "simulated time"), ("lag_s", style.MISSED, "lag reported")):
         axes.plot(series["wall_s"], series[name], color=color, linewidth=2.0, label=label, drawstyle="steps-post")
 
 
 CORNER: tuple[Panel, ...] = (
-    partial(over_time, series="depth_mm", title="Penetration", up="mm", bound=1.0, text="1 mm", log=True, late=False),
-    partial(over_time, series="speed_cm_s", title="Speed", up="cm/s", bound=1.0, text="1 cm/s", log=True, late=False))
+    partial(over_time, series="depth_mm", title="Penetration", y_label="mm", bound=1.0, text="1 mm", log=True,
+            log_time=True),
+    partial(over_time, series="speed_cm_s", title="Speed", y_label="cm/s", bound=1.0, text="1 cm/s", log=True,
+            log_time=True))
 PANELS: dict[str, tuple[Panel, ...]] = {
-    "tumble": (partial(convergence, series="attitude_rad", title="Attitude after 10 s", up="error, rad"),
-               partial(convergence, series="position_m", title="Position after 10 s", up="error, m")),
-    "spin": (partial(over_time, series="energy_percent", title="Energy", up="change, %", bound=0.1, text="0.1 %",
-                     both=True, late=False),
-             partial(over_time, series="momentum_percent", title="Angular momentum", up="change, %", bound=0.1,
-                     text="0.1 %", log=True, late=False)),
-    "stack": (partial(over_time, series="moved_mm", title="The top box", up="moved, mm", bound=1.0, text="1 mm",
-                      late=False),
-              partial(over_time, series="energy_mJ", title="Total energy", up="over the start, mJ", late=False)),
-    "mass_ratio": (partial(over_time, series="depth_percent", title="Deepest penetration", up="of the smaller box, %",
-                           bound=1.0, text="1 %", log=True, late=False),),
-    "bounce": (partial(over_time, series="height_m", title="Height", up="m"),
-               partial(over_time, series="energy_percent", title="Energy", up="change, %", bound=1.0, text="1 %",
-                       both=True)),
+    "tumble": (partial(convergence, series="attitude_rad", title="Attitude after 10 s", y_label="error, rad"),
+               partial(convergence, series="position_m", title="Position after 10 s", y_label="error, m")),
+    "spin": (partial(over_time, series="energy_percent", title="Energy", y_label="change, %", bound=0.1, text="0.1 %",
+                     symmetric=True, log_time=True),
+             partial(over_time, series="momentum_percent", title="Angular momentum", y_label="change, %", bound=0.1,
+                     text="0.1 %", log=True, log_time=True)),
+    "stack": (partial(over_time, series="moved_mm", title="Top box", y_label="motion, mm", bound=1.0, text="1 mm",
+                      log_time=True),
+              partial(over_time, series="energy_mJ", title="Total energy", y_label="above the start, mJ",
+                      log_time=True)),
+    "mass_ratio": (partial(over_time, series="depth_percent", title="Deepest penetration",
+                           y_label="of the smaller box, %", bound=1.0, text="1 %", log=True, log_time=True),),
+    "bounce": (partial(over_time, series="height_m", title="Height", y_label="m"),
+               partial(over_time, series="energy_percent", title="Energy", y_label="change, %", bound=1.0, text="1 %",
+                       symmetric=True)),
     "plate": (shots,),
     "corner": CORNER,
     "corner_quadrotor": CORNER,
-    "inside": (partial(over_time, series="speed_m_s", title="The fastest of 48 crates", up="m/s", bound=1.0,
+    "inside": (partial(over_time, series="speed_m_s", title="Fastest of 48 crates", y_label="m/s", bound=1.0,
                        text="1 m/s"),),
-    "sticks": (partial(over_time, series="path_m", title="The way down", up="mm", scale=1000.0, bound=1.0,
-                       text="1 mm"),),
+    "sticks": (partial(over_time, series="path_m", title="Distance down the slope", y_label="mm", scale=1000.0,
+                       bound=1.0, text="1 mm"),),
     "slides": (slide,),
     "island": (drifts,),
-    "repeats": (twice,),
-    "stall": (late,),
+    "repeats": (both_runs,),
+    "stall": (stalled_clock,),
 }
