@@ -90,7 +90,7 @@ def unused_effects_row(rounds: int) -> Row:
         without = World(scene)
     worlds = {"ours": World(scene), "without": without}
     times = side_by_side({name: partial(world.run, UNUSED_STEPS) for name, world in worlds.items()}, 5 * rounds)
-    if worlds["ours"].program.function.tolist() != without.program.function.tolist():
+    if [stage.name for stage in worlds["ours"].program.stages] != [stage.name for stage in without.program.stages]:
         raise SystemExit("effects that the hangar does not use are in its step")
     cost = 100.0 * (times["ours"].best / times["without"].best - 1.0)
     return Row(f"the hangar: {len(effects.EFFECTS) - len(kept)} effects that it does not use", "% of a step", cost,
