@@ -32,8 +32,8 @@ WITHOUT = {
 class Camera:
     """A renderer and the pictures that it draws into; options: of the Renderer."""
 
-    def __init__(self, scene: Scene, graphics: Any, views: tuple[str, ...] = VIEWS, **words: float) -> None:
-        self._renderer = Renderer(scene, graphics, **words)
+    def __init__(self, scene: Scene, graphics: Any, views: tuple[str, ...] = VIEWS, **options: float) -> None:
+        self._renderer = Renderer(scene, graphics, **options)
         sizes = {name: scene.cameras[name].size for name in views}
         self._pictures = {name: np.empty((height, width, 3), np.uint8) for name, (width, height) in sizes.items()}
         self._count = 0
@@ -45,7 +45,7 @@ class Camera:
             self._renderer.draw_into(picture, name, self._renderer.hierarchy.start, self._count / 60)
 
     def spread(self) -> float:
-        """How far the pixels of the last pictures are from one gray, at least."""
+        """Smallest standard deviation of the pixels of the last pictures; 0 for a picture of a single color."""
         return min(float(picture.std()) for picture in self._pictures.values())
 
     @property
@@ -80,10 +80,12 @@ class Ranges(Camera):
                         for name, (width, height) in sizes.items()}
 
     def draw(self) -> None:
+        """Draws depth and labels of each view once."""
         for name, images in self._images.items():
             self._renderer.measure_into(*images, name, self._renderer.hierarchy.start, 0.0)
 
     def spread(self) -> float:
+        """Ten times the smallest number of labels in a picture."""
         return 10.0 * min(len(np.unique(labels)) for _, labels in self._images.values())
 
 

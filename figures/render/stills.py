@@ -37,7 +37,7 @@ def island(camera: str, **render: Any) -> Scene:
 
 
 def draw(scene: Scene, places: Places = {}, time: float = 0.0, world: World | None = None) -> Image.Image:
-    """What the camera 'figure' sees: objects where the scene has them, at `places`, or where a world has them."""
+    """The picture of the camera 'figure'; poses from the scene, from `places`, or from the world."""
     with Renderer(scene) as renderer:
         poses = renderer.hierarchy.start.copy()
         for name, place in places.items():
