@@ -37,6 +37,8 @@ from drone_engine.program.program import Program
 from drone_engine.program.stage import Stage
 
 REGRID, REBIN, MORE_MANIFOLDS = 10, 11, 12  # return codes of the broad phase, besides those of the grid
+CONTACTS = tuple(f"contacts.{name}" for name in (  # that a stage in Python appends
+    "end", "pair", "level", "points", "normal", "point", "anchor", "separation", "feature"))
 Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, plane height, level, all?, margin
 
 
@@ -200,10 +202,10 @@ class Detection:
         self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase)
         self.primitives = Stage("contacts", primitive_contacts, own, handle=self._more_manifolds)
         self._ground_contacts = Stage("ground contacts", stand, own.child(self, "ground"), handle=self._more_room)
-        self._mesh_contacts = Stage("mesh contacts", any_fine, scope, handle=self._find_fine)
-        self._impact_contacts = Stage("impacts", any_swept, scope, handle=self._find_swept)
+        self._mesh_contacts = Stage("mesh contacts", any_fine, scope, handle=self._find_fine, writes=CONTACTS)
+        self._impact_contacts = Stage("impacts", any_swept, scope, handle=self._find_swept, writes=CONTACTS)
         self.warm_start = Stage("warm start", warm_start, scope)
-        self.catch = Stage("catch", any_swept, scope, handle=self._catch)  # after the motion: undoes tunneling
+        self.catch = Stage("catch", any_swept, scope, handle=self._catch, writes=("position", "orientation"))
 
     def _make_room(self, pairs: int) -> None:
         self.pairs = PairArrays(np.empty(pairs), np.empty(pairs, np.int64), np.empty(pairs, np.int64), np.empty(pairs),

@@ -8,6 +8,7 @@ import pytest
 
 from drone_engine import SceneError
 from drone_engine.effects import downwash, gusts, wind
+from drone_engine.effects.disks import Disks
 from drone_engine.effects.noise import bits, normals, streams, uniform
 from drone_engine.world import World
 
@@ -200,8 +201,9 @@ def test_jets_blow_on_what_is_below_and_on_nothing_else() -> None:
 
     def air() -> np.ndarray:
         out = np.zeros((5, 3))
-        downwash.aim(body, place, axis, thrust, position, orientation, jet)
-        downwash.wash(awake, position, orientation, np.full((5, 3), 1e-6), body, radius, thrust, jet, 1.225, 0.094, out)
+        rotors = Disks(body, place, axis, radius)
+        downwash.aim(rotors, thrust, position, orientation, jet)
+        downwash.wash(awake, position, orientation, np.full((5, 3), 1e-6), rotors, thrust, jet, 1.225, 0.094, out)
         return out
 
     below = air()

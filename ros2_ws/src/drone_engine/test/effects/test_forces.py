@@ -10,7 +10,7 @@ import pytest
 from drone_engine import parse
 from drone_engine.collision.terrain.height_field import NOTHING
 from drone_engine.effects import ground_effect, water
-from drone_engine.effects.disks import disks
+from drone_engine.effects.disks import Disks, disks
 from drone_engine.effects.submerged import ROWS, submerged
 from drone_engine.math.rotation import matrix
 from drone_engine.world import World
@@ -77,8 +77,8 @@ def test_each_rotor_gains_over_the_floor_below_it() -> None:
     def lifted(height: float, roll: float = 0.0, floors: tuple[float, ...] = (-3.0, 0.0)) -> tuple[np.ndarray, ...]:
         place, axis = np.array([[0.2, 0.1, 0.05]]), np.array([[0.0, 0.0, 1.0]])
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
-        ground_effect.lift(np.array(floors), *NOTHING, np.zeros(1, np.int64), place, axis, np.array([0.1]),
-                           np.array([3.0]), np.array([[0.0, 0.0, height]]),
+        rotor = Disks(np.zeros(1, np.int64), place, axis, np.array([0.1]))
+        ground_effect.lift(np.array(floors), *NOTHING, rotor, np.array([3.0]), np.array([[0.0, 0.0, height]]),
                            np.array([[math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)]]),
                            np.zeros((1, 3)), np.empty((0, 3)), 1.225, force, torque)
         return force[0], torque[0]
@@ -219,6 +219,9 @@ def test_buoyancy_is_the_gradient_of_a_potential_in_any_pose() -> None:
     rng = np.random.default_rng(8)
     half, scratch, step = np.array([0.4, 0.25, 0.1]), np.empty((ROWS, 3)), 1e-5
 
+    still = water.Sea(level=0.0, density=1000.0, gravity=G, drag=0.5, damping=0.5, added_mass=0.0, current_x=0.0,
+                      current_y=0.0, current_z=0.0)
+
     def potential(height: float, turn: np.ndarray) -> float:
         return 1000 * G * below(half, turn, -height)[1]
 
@@ -229,8 +232,8 @@ def test_buoyancy_is_the_gradient_of_a_potential_in_any_pose() -> None:
         height = rng.uniform(-0.9, 0.9) * float(np.abs(turn[2]) @ half)
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
         water.float_up(np.array([1, 0]), np.array([[0.0, 0.0, height]]), q[None], np.zeros((1, 3)), np.zeros((1, 3)),
-                       half[None], np.ones(1), np.ones((1, 3)), 0.0, 1000.0, G, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 1e-3,
-                       scratch, force, torque, np.ones(1), np.ones((1, 3)))
+                       half[None], np.ones(1), np.ones((1, 3)), still, 1e-3, scratch, force, torque, np.ones(1),
+                       np.ones((1, 3)))
         up = potential(height + step, turn) - potential(height - step, turn)
         assert force[0, 2] == pytest.approx(-up / (2 * step), abs=1e-2)
         for axis in range(2):
