@@ -41,7 +41,7 @@ def test_compiling_leaves_the_world_at_its_start(world: Make) -> None:
     compiled, fresh = world(BUSY), world(BUSY)
     told: list[str] = []
     compiled.compile(lambda done, total, name: told.append(f"{done}/{total} {name}"))
-    assert told[0] == f"0/{len(told)} rest"
+    assert told[0] == f"0/{len(told)} clear forces"
     assert told[-1] == f"{len(told) - 1}/{len(told)} clock"
     assert compiled.state.hash() == fresh.state.hash()
     assert hashes(compiled, 50) == hashes(fresh, 50)

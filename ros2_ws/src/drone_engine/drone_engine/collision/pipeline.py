@@ -199,7 +199,8 @@ class Detection:
         scope.share(self, "body_bounds", "policy", "ccd", "pairs", "counts", "sleeping")
         own = scope.child(self, "binned", "movers", "grid_tables", "box_scratch")
         self.keep = Stage("keep", keep, scope)
-        self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase)
+        self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase,
+                                 writes=("binned", "sleeping"))
         self.primitives = Stage("contacts", primitive_contacts, own, handle=self._more_manifolds)
         self._ground_contacts = Stage("ground contacts", stand, own.child(self, "ground"), handle=self._more_room)
         self._mesh_contacts = Stage("mesh contacts", any_fine, scope, handle=self._find_fine, writes=CONTACTS)

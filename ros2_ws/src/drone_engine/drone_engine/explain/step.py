@@ -8,9 +8,12 @@ import argparse
 import inspect
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from drone_engine.assets import ASSETS
 from drone_engine.program import access
@@ -22,8 +25,9 @@ from drone_engine.world import World
 EVERYTHING = """
 version: 1
 description: A scene with every stage
-collision: {level: triangle}
-effects: {wind: {}, gusts: {}, downwash: {}, gravity: {}, drag: {}, linear_drag: {}, ground_effect: {}, water: {}, motor_lag: {}}
+collision: {level: octree}
+effects: {wind: {}, gusts: {}, downwash: {}, gravity: {}, drag: {}, linear_drag: {}, ground_effect: {}, water: {},
+          motor_lag: {}}
 objects:
   user_drone: {model: drone, pose: [0, 0, 2], mass: 1.4, flight: {cmd_vel: cmd_vel}}
   user_drone_rotor: {model: drone_rotor_cw, parent: user_drone, pose: [0.19, 0.19, 0.066], rotor: {direction: -1}}
@@ -60,14 +64,17 @@ def everything() -> World:
     return World(parse(EVERYTHING, ASSETS / "scenes" / "everything.yaml"))
 
 
-def rows(program: Program) -> list[Row]:
-    """The stages of a program, in order."""
-    return [_row(stage) for stage in program.stages if not stage.timer]
+def rows(program: Program, world: World) -> list[Row]:
+    """The stages of a program of a world, in order."""
+    every = (stage for _, _, other in programs(world) for stage in other.stages)
+    uses = Counter(id(value) for stage in every for value in stage.given.values() if isinstance(value, np.ndarray))
+    passed_on = {array for array, stages in uses.items() if stages > 1}
+    return [_row(stage, passed_on) for stage in program.stages if not stage.timer]
 
 
-def _row(stage: Stage) -> Row:
+def _row(stage: Stage, passed_on: set[int]) -> Row:
     found = access.of_stage(stage)
-    reads, writes = (tuple(sorted(name for name in names if _shared(stage, name))) for names in found)
+    reads, writes = (tuple(sorted(name for name in names if _visible(stage, name, passed_on))) for names in found)
     if stage.kernel is None:
         return Row(stage.name, "", "", "Runs in Python.", reads, writes)
     function = stage.kernel.py_func
@@ -78,9 +85,10 @@ def _row(stage: Stage) -> Row:
     return Row(stage.name, f"{function.__module__}.{function.__name__}", str(source), purpose + ".", reads, writes)
 
 
-def _shared(stage: Stage, name: str) -> bool:
-    """Whether an array is shared, so that other stages may see it; others are scratch and parameters."""
-    return name.partition(".")[0] in stage.scope
+def _visible(stage: Stage, name: str, passed_on: set[int]) -> bool:
+    """Whether other stages may see an array; the rest is scratch and parameters."""
+    root = name.partition(".")[0]
+    return root in stage.scope or id(stage.given.get(root)) in passed_on
 
 
 def programs(world: World) -> Iterator[tuple[str, str, Program]]:
@@ -94,7 +102,7 @@ def page(world: World) -> str:
     """The stages as Markdown."""
     parts = []
     for heading, when, program in programs(world):
-        found = rows(program)
+        found = rows(program, world)
         parts.append(f"## {heading} stages\n\nThey run {when}.\n")
         parts.append("| stage | kernel | purpose |\n|---|---|---|")
         parts += [f"| {row.stage} | {_link(row)} | {row.purpose.replace('|', '/')} |" for row in found]
@@ -149,7 +157,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     for heading, when, program in programs(world):
         print(f"{heading} stages, {when}:")
-        for row in rows(program):
+        for row in rows(program, world):
             print(f"  {row.stage:16} {row.kernel or 'in Python'}\n    {row.purpose}")
             print(f"    reads  {', '.join(row.reads) or '-'}\n    writes {', '.join(row.writes) or '-'}")
     return 0
