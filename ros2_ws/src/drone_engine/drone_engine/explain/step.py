@@ -19,7 +19,8 @@ from drone_engine.assets import ASSETS
 from drone_engine.program import access
 from drone_engine.program.program import Program
 from drone_engine.program.stage import Stage
-from drone_engine.scene.schema import SceneError, load, parse
+from drone_engine.scene.errors import SceneError
+from drone_engine.scene.loading import load, parse
 from drone_engine.world import World
 
 EVERYTHING = """

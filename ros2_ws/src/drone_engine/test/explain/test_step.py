@@ -10,7 +10,7 @@ from drone_engine.explain import step
 from drone_engine.program import access, binding
 from drone_engine.program.program import Program
 from drone_engine.program.stage import Stage
-from drone_engine.scene.schema import load
+from drone_engine.scene.loading import load
 from drone_engine.world import World
 
 PAGE = Path(__file__).parents[5] / "docs" / "step.md"
