@@ -100,10 +100,11 @@ class Sleep:
         self._root, self._patience, self._borne = np.zeros(n, np.int64), np.zeros(n), np.zeros(n, np.bool_)
         self.forget()
         detection.on_waking = self._hand_over
-        self.waking = Stage("waking", disturbed, context.scope, handle=self._wake_disturbed)
+        self.waking = Stage("waking", disturbed, context.scope, handle=self._wake_disturbed,
+                            writes=("awake", "still"))
         self.falling_asleep = Stage("sleep", fall_asleep, context.scope, {
             "radius": self._radius, "root": self._root, "patience": self._patience, "borne": self._borne},
-            self._send_to_sleep)
+            self._send_to_sleep, writes=("awake", "velocity", "angular_velocity"))
 
     def forget(self) -> None:
         """Nobody sleeps."""
