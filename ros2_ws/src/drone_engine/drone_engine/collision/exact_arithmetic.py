@@ -1,9 +1,9 @@
-"""Exact signs: sums of products of float64 numbers without any rounding, for what floating point cannot decide.
+"""Exact signs of sums of products of float64 numbers, for predicates that floating point cannot decide.
 
-A sum is held as one long integer in fixed point that spans all exponents a product of four numbers can have, from
-two subnormals' bits to infinity's (Kulisch's long accumulator: Kulisch and Miranker 1986, The Arithmetic of the Digital
-Computer). So nothing overflows, underflows or needs a bound. It takes about a microsecond a determinant: the levels
-call it only where their own error bounds leave the answer open. All numbers given must be finite.
+A sum is kept as one long fixed-point integer that spans all exponents of a product of four numbers, from the smallest
+subnormal to the largest number (Kulisch's long accumulator: Kulisch and Miranker 1986, The Arithmetic of the Digital
+Computer). So nothing is rounded, overflows or underflows. A determinant takes about a microsecond, hence callers use it
+only where their error bounds leave the sign undecided. All numbers must be finite.
 """
 
 import math
@@ -13,22 +13,22 @@ import numpy as np
 
 from drone_engine.kernel import kernel
 
-BITS = 27  # of a digit; columns of four products of digits stay far below the 63 bits of a cell
+BITS = 27  # of a digit; sums of four products of digits stay far below 63 bits
 MASK = (1 << BITS) - 1
 MANTISSA = 2.0**53
-LOWEST = 4 * (-1073 - 53)  # exponent of the last bit of four mantissas of the smallest subnormal
-# The terms of determinants as loops, not line by line: all that calls them compiles much faster. Columns of ORDERS:
-# which part of u, of v and of w, and the sign; of MINORS: which of four points gives x, y and z, and the sign.
+LOWEST = 4 * (-1073 - 53)  # exponent of the last bit of the product of four smallest subnormals
+# The terms of determinants, as tables for loops: written out, they would make all callers compile much more slowly.
+# Columns of ORDERS: the components of u, v and w, and the sign; of MINORS: the points of x, y and z, and the sign.
 ORDERS = np.array([(*order, round(np.linalg.det(np.eye(3)[list(order)]))) for order in permutations(range(3))])
-MINORS = np.array([(*(three[part] for part in order), sign * turn)
+MINORS = np.array([(*(three[part] for part in order), sign * parity)
                    for three, sign in (((1, 2, 3), 1), ((0, 2, 3), -1), ((0, 1, 3), 1), ((0, 1, 2), -1))
-                   for *order, turn in ORDERS.tolist()])
-DIGITS = (4 * 1024 - LOWEST) // BITS + 8  # up to the product of the four largest numbers, and room for carries
+                   for *order, parity in ORDERS.tolist()])
+DIGITS = (4 * 1024 - LOWEST) // BITS + 8  # up to the product of four largest numbers, with room for carries
 
 
 @kernel
 def zeros():
-    """An accumulator that holds 0: (DIGITS + 2,) int64, its digits, then the lowest and the highest one in use."""
+    """An accumulator that holds 0: (DIGITS + 2,) int64, its digits, then the lowest and the highest digit in use."""
     acc = np.zeros(DIGITS + 2, np.int64)
     acc[DIGITS], acc[DIGITS + 1] = DIGITS, 0
     return acc
@@ -36,7 +36,7 @@ def zeros():
 
 @kernel
 def _digits(a, b):
-    """The product of two integers below 2^53 as four digits, the lowest first."""
+    """The product of two integers a, b < 2^53 as four digits of BITS bits, the lowest first."""
     a0, a1, b0, b1 = a & MASK, a >> BITS, b & MASK, b >> BITS
     low, middle, high = a0 * b0, a0 * b1 + a1 * b0, a1 * b1
     middle += low >> BITS
@@ -46,7 +46,7 @@ def _digits(a, b):
 
 @kernel
 def add_product(acc, sign, a, b, c, d):
-    """Adds sign * a * b * c * d; sign is 1 or -1."""
+    """Adds sign * a * b * c * d to accumulator acc; sign: 1 or -1."""
     if a == 0.0 or b == 0.0 or c == 0.0 or d == 0.0:
         return
     fa, ea = math.frexp(abs(a))
@@ -76,13 +76,13 @@ def add_product(acc, sign, a, b, c, d):
 
 @kernel
 def sign(acc):
-    """The sign of the sum, -1, 0 or 1; the accumulator holds 0 again."""
+    """The sign of accumulator acc, -1, 0 or 1; clears the accumulator."""
     carry = np.int64(0)
     rest = np.int64(0)
     for k in range(acc[DIGITS], acc[DIGITS + 1] + 1):
         total = acc[k] + carry
         rest |= total & MASK
-        carry = total >> BITS  # rounds down, so all digits left behind are positive
+        carry = total >> BITS  # rounds down, so the remaining digits are not negative
         acc[k] = 0
     acc[DIGITS], acc[DIGITS + 1] = DIGITS, 0
     if carry != 0:
@@ -92,7 +92,7 @@ def sign(acc):
 
 @kernel
 def add_determinant(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
-    """Adds sign * scale * det[u, v, w], rows."""
+    """Adds sign * scale * det[u, v, w] to accumulator acc; u, v, w: rows; sign: 1 or -1."""
     u, v, w = (ux, uy, uz), (vx, vy, vz), (wx, wy, wz)
     for i in range(6):
         add_product(acc, sign * ORDERS[i, 3], scale, u[ORDERS[i, 0]], v[ORDERS[i, 1]], w[ORDERS[i, 2]])
@@ -100,7 +100,7 @@ def add_determinant(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
 
 @kernel
 def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """The sign of det[b - a, c - a, d - a]: 1 where d sees a, b, c turn counter-clockwise, 0: coplanar."""
+    """The sign of det[b - a, c - a, d - a]: 1 if a, b, c are counter-clockwise as seen from d, 0 if coplanar."""
     acc = zeros()
     x, y, z = (ax, bx, cx, dx), (ay, by, cy, dy), (az, bz, cz, dz)
     for i in range(24):
@@ -110,7 +110,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
 
 @kernel
 def orient2d(ax, ay, bx, by, cx, cy):
-    """The sign of det[b - a, c - a]: 1 where a, b, c turn counter-clockwise, 0 where they are on one line."""
+    """The sign of det[b - a, c - a]: 1 if a, b, c are counter-clockwise, 0 if they are on one line."""
     acc = zeros()
     x, y = (ax, bx, cx), (ay, by, cy)
     for i in range(6):  # x[i] y[k] for i before k in a, b, c, a, and the opposite for i after k

@@ -1,11 +1,11 @@
-"""Two meshes and two poses in, contacts out: collision detection by itself, without a scene.
+"""Collision queries of two meshes at given poses, without a scene.
 
     drone, ring = Shape.load("drone.obj"), Shape.load("ring.obj")
-    hits = intersects(drone, poses, ring, pose, OBB)            # of many poses at once
-    found = contacts(drone, poses[0], ring, pose)               # all there are, of triangles
+    hits = intersects(drone, poses, ring, pose, OBB)            # many poses at once
+    found = contacts(drone, poses[0], ring, pose)               # all contacts of triangles
 
 A pose is x y z and a unit quaternion x y z w, (7,) or (n, 7). Levels: SPHERE, OBB, OCTREE, TRIANGLE; each refines the
-one before, and a hit at one is a hit at all before it. `docs/collision.md` says what each answer is exact for.
+one before, and a hit at a level is a hit at all levels before it. `docs/collision.md` states which answers are exact.
 """
 
 from typing import NamedTuple
@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box as obb
-from drone_engine.collision.box import sphere
+from drone_engine.collision.box import box, sphere
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import traversal
 from drone_engine.collision.mesh.narrow import Meshes
@@ -25,18 +24,19 @@ from drone_engine.collision_level import OBB, OCTREE, SPHERE, TESTED, TRIANGLE
 
 
 class Contacts(NamedTuple):
-    """k contacts of shapes a and b, in the frame of the world."""
+    """k contacts of shapes a and b, world frame."""
 
     point: Floats  # (k, 3) m
     normal: Floats  # (k, 3) unit, from a to b
-    depth: Floats  # (k,) m, how far b has to move along the normal
-    parts: Integers  # (k, 2) which triangle of a and of b as given, or leaf; -1: the whole shape
+    depth: Floats  # (k,) m, how far b has to move along the normal to separate
+    parts: Integers  # (k, 2) triangle of a and of b, as given, or leaf; -1: the whole shape
 
 
 def intersects(a: Shape, poses_a: ArrayLike, b: Shape, poses_b: ArrayLike, level: int = TRIANGLE) -> Booleans:
-    """Whether a and b meet: (n,) for n poses each, or one pose for all; a single answer for a pose each.
+    """Whether shapes a and b touch: (n,) for n poses of each, or of one of them; a single answer for one pose of each.
 
-    Surfaces meet, not solids: what is wholly inside a hollow mesh does not touch it. Raises ValueError.
+    Surfaces touch, not solids: a shape wholly inside a hollow mesh does not touch it. Raises ValueError for poses of
+    other shapes or that are not finite, and for an unknown level.
     """
     single = np.ndim(poses_a) == np.ndim(poses_b) == 1
     first, second = _poses(poses_a, poses_b)
@@ -45,8 +45,11 @@ def intersects(a: Shape, poses_a: ArrayLike, b: Shape, poses_b: ArrayLike, level
 
 
 def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE) -> Contacts:
-    """All contacts of a and b, none if they do not meet: of their spheres, of their boxes up to eight, of each pair of
-    leaves' boxes up to eight, or of each pair of triangles one (triangle.contact). Raises ValueError."""
+    """All contacts of shapes a and b, none if they do not touch.
+
+    One at level SPHERE, up to eight at OBB, up to eight for each pair of leaves at OCTREE, and one for each pair of
+    triangles at TRIANGLE. Errors as for `intersects`.
+    """
     first, second = _poses(pose_a, pose_b)
     if len(first) != 1:
         raise ValueError(f"poses: expected one each, got {len(first)}")
@@ -54,19 +57,19 @@ def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: in
         hit, normal, point, separation = sphere.contacts(*a.balls(first), *b.balls(second))
         return Contacts(point[hit], normal[hit], -separation[hit], np.full((hit.sum(), 2), -1))
     if level == OBB:
-        return _of_boxes(np.full((1, 2), -1), *a.boxes(first), *b.boxes(second))
+        return _box_contacts(np.full((1, 2), -1), *a.boxes(first), *b.boxes(second))
     if level == OCTREE:
         leaves = traversal.pairs(a.tree, first, b.tree, second, leaves=True)[1].astype(np.int64)
-        return _of_boxes(leaves, *a.leaves(first, leaves[:, 0]), *b.leaves(second, leaves[:, 1]))
+        return _box_contacts(leaves, *a.leaves(first, leaves[:, 0]), *b.leaves(second, leaves[:, 1]))
     if level == TRIANGLE:
         _, pairs, point, normal, depth = traversal.contacts(a.tree, first, b.tree, second)
         return Contacts(point, normal, depth, np.stack([a.tree.face[pairs[:, 0]], b.tree.face[pairs[:, 1]]], axis=1))
     raise _no_level(level)
 
 
-def _of_boxes(parts: Integers, *boxes: Floats) -> Contacts:
-    """The contacts of k pairs of boxes, which are these parts (k, 2)."""
-    found = obb.contacts(*boxes)
+def _box_contacts(parts: Integers, *boxes: Floats) -> Contacts:
+    """The contacts of k pairs of boxes with these `parts` (k, 2); boxes: as `box.contacts` takes them."""
+    found = box.contacts(*boxes)
     points = np.diff(found.first)
     return Contacts(found.point, np.repeat(found.normal, points, axis=0), -found.separation,
                     np.repeat(parts[found.number], points, axis=0))
@@ -74,8 +77,11 @@ def _of_boxes(parts: Integers, *boxes: Floats) -> Contacts:
 
 def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: int = TRIANGLE,
               margin: float = 0.0) -> list[Contacts]:
-    """What a solver gets: contacts up to `margin` m apart (depths below 0), grouped by normals, at most six groups of
-    at most eight points. Levels OCTREE and TRIANGLE; the others have one group, `contacts`. Raises ValueError."""
+    """The contacts as a solver gets them: at most `margin` m apart (depths may be negative), in groups of nearly equal
+    normals, at most six groups of at most eight points.
+
+    At levels SPHERE and OBB there is one group, the result of `contacts`. Errors as for `intersects`.
+    """
     if level in (SPHERE, OBB):
         found = contacts(a, pose_a, b, pose_b, level)
         return [found] if len(found.depth) else []
@@ -92,20 +98,23 @@ def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: i
 
 
 def _intersects(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> Booleans:
+    """Whether the shapes touch at each of n poses (n, 7) of both."""
     if level == SPHERE:
         return sphere.intersects(*a.balls(poses_a), *b.balls(poses_b))
     if level == OBB:
-        return obb.intersects(*a.boxes(poses_a), *b.boxes(poses_b))
+        return box.intersects(*a.boxes(poses_a), *b.boxes(poses_b))
     if level in (OCTREE, TRIANGLE):
         return traversal.intersects(a.tree, poses_a, b.tree, poses_b, boxes=level == OCTREE)
     raise _no_level(level)
 
 
 def _no_level(level: int) -> ValueError:
+    """The error for an unknown level."""
     return ValueError(f"level: expected {', '.join(f'{i} ({name})' for i, name in enumerate(TESTED))}, got {level}")
 
 
 def _poses(poses_a: ArrayLike, poses_b: ArrayLike) -> tuple[Floats, Floats]:
+    """Both as contiguous arrays (n, 7) of equal length; raises ValueError for invalid poses."""
     arrays = []
     for name, poses in (("poses_a", poses_a), ("poses_b", poses_b)):
         array = np.atleast_2d(np.asarray(poses, np.float64))

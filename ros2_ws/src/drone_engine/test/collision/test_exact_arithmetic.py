@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drone_engine.collision import exact_arithmetic
 
-anything = st.floats(allow_nan=False, allow_infinity=False)
+any_number = st.floats(allow_nan=False, allow_infinity=False)
 small_integers = st.integers(-4, 4).map(float)
 nudged = st.builds(lambda x, up: math.nextafter(x, math.inf if up else -math.inf), small_integers, st.booleans())
 
@@ -20,7 +20,7 @@ def sign_of(value: Fraction) -> int:
 
 
 @settings(max_examples=500, deadline=None)
-@given(st.lists(st.tuples(st.sampled_from([1, -1]), anything, anything, anything, anything), max_size=8))
+@given(st.lists(st.tuples(st.sampled_from([1, -1]), any_number, any_number, any_number, any_number), max_size=8))
 def test_a_sum_of_products_has_its_exact_sign(terms: list[tuple[int, float, float, float, float]]) -> None:
     acc = exact_arithmetic.zeros()
     total = Fraction(0)
@@ -32,8 +32,8 @@ def test_a_sum_of_products_has_its_exact_sign(terms: list[tuple[int, float, floa
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.lists(anything, min_size=3, max_size=3), st.lists(anything, min_size=3, max_size=3))
-def test_what_cancels_up_to_the_last_bit_is_seen(a: list[float], b: list[float]) -> None:
+@given(st.lists(any_number, min_size=3, max_size=3), st.lists(any_number, min_size=3, max_size=3))
+def test_cancellation_down_to_the_last_bit_is_detected(a: list[float], b: list[float]) -> None:
     acc = exact_arithmetic.zeros()
     exact_arithmetic.add_product(acc, 1, *a, 1.0)
     exact_arithmetic.add_product(acc, -1, *a, 1.0)

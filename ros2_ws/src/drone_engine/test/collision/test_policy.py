@@ -1,4 +1,4 @@
-"""Levels of collision in a scene that runs: what is chosen, and that what rests on a mesh rests."""
+"""Collision levels in a running scene: which one applies, and that bodies rest on meshes."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,13 +17,14 @@ wall: {model: wall, static: true}
 LEVELS = ("sphere", "obb", "octree", "triangle")
 
 
-def said(level: str, more: str = "") -> str:
+def settings(level: str, more: str = "") -> str:
+    """The sections of a scene that set gravity and the collision level."""
     return f"effects: {{gravity: {{}}}}\ncollision: {{level: {level}{more}}}"
 
 
 @pytest.mark.parametrize("level", ["obb", "octree", "triangle"])
 def test_a_crate_rests_on_a_wall(world: Callable[..., World], level: str) -> None:
-    w = world(ON_A_WALL, said(level))
+    w = world(ON_A_WALL, settings(level))
     for _ in range(30):
         w.step()
     before = w.pose("crate")
@@ -43,7 +44,7 @@ def test_a_crate_rests_on_a_wall(world: Callable[..., World], level: str) -> Non
 def test_a_crate_may_hang_over_an_edge(world: Callable[..., World], level: str, yaw: float) -> None:
     """A third of it, so that its centre of mass is a tenth of a metre inside."""
     w = world(f"crate: {{model: crate, pose: [0.4, 0, 4.001, 0, 0, {yaw}], mass: 5, friction: 0.8}}\n"
-              "wall: {model: wall, static: true}", said(level))
+              "wall: {model: wall, static: true}", settings(level))
     w.run(300)
     assert w.pose("crate")[:3] == pytest.approx([0.4, 0.0, 4.0], abs=2e-3)
 
@@ -51,7 +52,7 @@ def test_a_crate_may_hang_over_an_edge(world: Callable[..., World], level: str, 
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_crate_rests_on_a_floor(world: Callable[..., World], level: str) -> None:
     w = world("crate: {model: crate, pose: [0, 0, 0.3], mass: 5}\n"
-              "floor: {model: floor, static: true, collision: {level: floor}}", said(level))
+              "floor: {model: floor, static: true, collision: {level: floor}}", settings(level))
     for _ in range(60):
         w.step()
     lowest = 0.3 - 0.3 * np.sqrt(3.0) if level == "sphere" else 0.0
@@ -62,7 +63,7 @@ def test_a_crate_rests_on_a_floor(world: Callable[..., World], level: str) -> No
 def test_a_crate_slides_into_a_corner_and_stays(world: Callable[..., World], level: str) -> None:
     w = world("crate: {model: crate, pose: [1.2, 0.2, 0, 0, 0, 0.2], mass: 5, friction: 0.1}\n"
               "wall: {model: wall, static: true}\nfloor: {model: floor, static: true, collision: {level: floor}}",
-              said(level))
+              settings(level))
     w.state.velocity_w[0] = (-3.0, 0.0, 0.0)
     for _ in range(90):
         w.step()
@@ -70,14 +71,14 @@ def test_a_crate_slides_into_a_corner_and_stays(world: Callable[..., World], lev
     assert abs(w.state.velocity_w[0, 0]) < 1.0
 
 
-def test_the_finer_of_two_words_decides_and_a_pairs_own_beats_it(world: Callable[..., World]) -> None:
+def test_the_finer_of_two_overrides_applies_and_one_of_the_pair_precedes(world: Callable[..., World]) -> None:
     things = """a: {model: crate, mass: 1, collision: {level: sphere}}
 b: {model: crate, mass: 1, pose: [5, 0, 0], collision: {level: triangle}}
 c: {model: crate, mass: 1, pose: [9, 0, 0]}
 d_0: {model: crate, mass: 1, pose: [15, 0, 0]}
 d_1: {model: crate, mass: 1, pose: [19, 0, 0]}
 """
-    w = world(things, said("obb", ", pairs: [{between: [a, c], level: octree}, {between: [d, c], level: none}]"))
+    w = world(things, settings("obb", ", pairs: [{between: [a, c], level: octree}, {between: [d, c], level: none}]"))
     levels, all_contacts = np.empty((2, 6), np.int64)
     look_up(6, np.array([0, 0, 1, 2, 2, 0]), np.array([1, 2, 2, 3, 4, 3]), *w.detection.levels.tables(), levels,
             all_contacts)
@@ -85,7 +86,7 @@ d_1: {model: crate, mass: 1, pose: [19, 0, 0]}
 
 
 def test_levels_change_while_running_until_the_scene_is_reset(world: Callable[..., World]) -> None:
-    w = world(ON_A_WALL, said("obb"))
+    w = world(ON_A_WALL, settings("obb"))
     for level, a, b in (("triangle", "", ""), ("octree", "crate", ""), ("obb", "wall", "crate"),
                         ("sphere", "crate", "wall")):
         w.set_collision_level(level, a, b)
@@ -97,40 +98,40 @@ def test_levels_change_while_running_until_the_scene_is_reset(world: Callable[..
     assert w.contact_counts()["obb"] == 1
 
 
-@pytest.mark.parametrize(("words", "error"), [
+@pytest.mark.parametrize(("arguments", "error"), [
     (("box",), "level: expected one of sphere, obb, octree, triangle, got 'box'"),
     (("obb", "plane"), "a: no body is called 'plane'; there are crate, wall"),
     (("obb", "", "wall"), "a: expected an object where b names one"),
     (("obb", "wall", "wall"), "b: expected another object than 'wall'"),
 ])
-def test_what_is_no_level_is_refused(world: Callable[..., World], words: tuple[str, ...], error: str) -> None:
-    w = world(ON_A_WALL, said("obb"))
+def test_an_invalid_level_is_rejected(world: Callable[..., World], arguments: tuple[str, ...], error: str) -> None:
+    w = world(ON_A_WALL, settings("obb"))
     with pytest.raises(ValueError, match=error):
-        w.set_collision_level(*words)
+        w.set_collision_level(*arguments)
 
 
 def test_the_first_contact_alone(world: Callable[..., World]) -> None:
     for level in ("obb", "triangle"):
-        w = world(ON_A_WALL, said(level, ", contacts: first"))
+        w = world(ON_A_WALL, settings(level, ", contacts: first"))
         w.step()
         assert w.detection.manifolds.points[: w.detection.manifolds.count].tolist() == [1]
 
 
 def test_a_pair_of_unknown_objects_is_an_error(world: Callable[..., World]) -> None:
     with pytest.raises(SceneError, match=r"collision.pairs.0.between: no object is called 'tree'"):
-        world(ON_A_WALL, said("obb", ", pairs: [{between: [crate, tree], level: none}]"))
+        world(ON_A_WALL, settings("obb", ", pairs: [{between: [crate, tree], level: none}]"))
 
 
 def test_a_pair_with_a_part_of_an_object_is_an_error(world: Callable[..., World]) -> None:
     with pytest.raises(SceneError, match=r"collision.pairs.0.between: 'lid' is part of another object; name that one"):
         world(ON_A_WALL + "lid: {model: crate, parent: crate}",
-              said("obb", ", pairs: [{between: [wall, lid], level: none}]"))
+              settings("obb", ", pairs: [{between: [wall, lid], level: none}]"))
 
 
 def test_two_runs_at_the_finest_level_are_equal_bit_for_bit(world: Callable[..., World]) -> None:
     hashes = []
     for _ in range(2):
-        w = world(ON_A_WALL.replace("4.001", "4.3"), said("triangle"))
+        w = world(ON_A_WALL.replace("4.001", "4.3"), settings("triangle"))
         for _ in range(60):
             w.step()
         hashes.append(w.state.hash())
@@ -141,19 +142,19 @@ def test_two_runs_at_the_finest_level_are_equal_bit_for_bit(world: Callable[...,
 @pytest.mark.parametrize("speed", [30.0, 300.0, 1000.0])
 def test_a_crate_is_never_shot_through_a_wall(world: Callable[..., World], level: str, speed: float) -> None:
     w = world("crate: {model: crate, pose: [14, 0.2, 1.5, 0.3, 0.2, 0.1], mass: 5}\nwall: {model: wall, static: true}",
-              said(level).replace("gravity: {}", ""))
+              settings(level).replace("gravity: {}", ""))
     w.state.velocity_w[0] = (-speed, 0.0, 0.0)
     w.state.angular_velocity_w[0] = (3.0, 5.0, 2.0)
     nearest, met = [], False
     for _ in range(60):
         w.step()
         nearest.append(w.state.position_w[0, 0])
-        met = met or w.state.velocity_w[0, 0] > 0.0  # thrown back within the step, however far
+        met = met or w.state.velocity_w[0, 0] > 0.0  # bounced within the step, from any distance
     assert min(nearest) > 0.75
     assert met
 
 
-def test_a_level_that_cannot_be_changes_nothing(tmp_path: Path) -> None:
+def test_a_level_that_cannot_be_applied_changes_nothing(tmp_path: Path) -> None:
     box = "".join(f"v {x} {y} {z}\n" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / "points.obj").write_text(box)
@@ -168,9 +169,9 @@ def test_a_level_that_cannot_be_changes_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sleep", ["true", "false"])
-def test_another_level_leaves_contacts_as_they_are(world: Callable[..., World], sleep: str) -> None:
-    """What touches goes on to touch: it does not begin anew."""
-    w = world(ON_A_WALL, said("obb") + f"\ndynamics: {{sleep: {sleep}}}")
+def test_a_change_of_level_leaves_contacts_as_they_are(world: Callable[..., World], sleep: str) -> None:
+    """Contacts persist; they do not begin again."""
+    w = world(ON_A_WALL, settings("obb") + f"\ndynamics: {{sleep: {sleep}}}")
     w.run(60)
     w.set_collision_level("triangle")
     w.step()

@@ -1,5 +1,4 @@
-"""Collision detection by itself: two meshes and two poses in, contacts out."""
-
+"""Collision queries of two meshes at given poses."""
 
 import numpy as np
 import pytest
@@ -54,7 +53,7 @@ def test_a_cube_on_a_cube(level: int) -> None:
 
 
 @pytest.mark.parametrize("level", [OBB, OCTREE, TRIANGLE])
-def test_what_a_solver_gets_of_a_cube_on_a_cube(level: int) -> None:
+def test_manifolds_of_a_cube_on_a_cube(level: int) -> None:
     found = manifolds(CUBE, pose(0, 0, 0), CUBE, pose(0.25, 0.1, 0.995), level)
     assert len(found) == 1
     np.testing.assert_allclose(found[0].normal, np.tile([0, 0, 1], (len(found[0].depth), 1)), atol=1e-12)
@@ -75,7 +74,7 @@ def test_a_drone_deep_in_a_crate_is_pushed_out(drone: Shape) -> None:
     assert np.mean(pushed) > 0.99
 
 
-def test_swapping_turns_the_normals(drone: Shape, ring: Shape) -> None:
+def test_swapping_reverses_the_normals(drone: Shape, ring: Shape) -> None:
     there, here = pose(0.02, 0.9, 1.2), pose(0, 0, 0)
     for level in LEVELS:
         one, two = contacts(drone, there, ring, here, level), contacts(ring, here, drone, there, level)
@@ -98,7 +97,7 @@ def test_levels_are_nested_and_symmetric(one: list[float], two: list[float], far
     assert hits == [bool(intersects(CUBE, poses[1], CUBE, poses[0], level)) for level in LEVELS]
 
 
-def test_one_pose_stands_for_all() -> None:
+def test_one_pose_applies_to_all() -> None:
     many = np.array([pose(x, 0, 0) for x in (0.0, 0.9, 1.1)])
     for level in (OBB, TRIANGLE):
         assert intersects(CUBE, many, CUBE, pose(0, 0, 0), level).tolist() == [True, True, False]
@@ -111,6 +110,6 @@ def test_one_pose_stands_for_all() -> None:
     (pose(np.nan, 0, 0), SPHERE, r"poses_a: expected positions up to"),
     (pose(0, 0, 0), 7, r"level: expected 0 \(sphere\), 1 \(obb\), 2 \(octree\), 3 \(triangle\), got 7"),
 ])
-def test_what_is_no_question(poses: Floats, level: int, error: str) -> None:
+def test_invalid_arguments_are_rejected(poses: Floats, level: int, error: str) -> None:
     with pytest.raises(ValueError, match=error):
         intersects(CUBE, poses, CUBE, pose(0, 0, 0), level)

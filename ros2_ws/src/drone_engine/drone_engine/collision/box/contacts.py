@@ -9,8 +9,7 @@ import numpy as np
 from drone_engine.collision.box import plane, sphere
 from drone_engine.collision.box.box import load_ordered
 from drone_engine.collision.box.clipping import write_edge_manifolds, write_face_manifolds
-from drone_engine.collision.box.sat import BLOCK, WIDEST, find_contact_axes
-from drone_engine.collision.box.sat import MARGIN as MARGINS
+from drone_engine.collision.box.sat import BLOCK, MARGIN, WIDEST, find_contact_axes
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel
 
@@ -61,8 +60,8 @@ def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_con
         find_contact_axes(table, size)
         first = found
         for m in range(size):
-            table[MARGINS + m] = margin[row[m]]
-            near = table[WIDEST + m] <= table[MARGINS + m]
+            table[MARGIN + m] = margin[row[m]]
+            near = table[WIDEST + m] <= table[MARGIN + m]
             pair[found, 0], pair[found, 1], contact_level[found] = box_a[m], box_b[m], OBB
             box_a[m] = row[m]  # from here on the pair
             row[m] = found if near else -1

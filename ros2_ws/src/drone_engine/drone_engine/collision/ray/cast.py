@@ -1,8 +1,8 @@
-"""Ray casts against bodies at any level: for range sensors and for picking.
+"""Ray casts against bodies at any collision level: for range sensors and for picking.
 
-Balls and boxes (levels sphere, obb, octree) are solid: a ray that starts inside hits at distance 0. Triangles are a
-surface. A ray is brought into a body's frame and rounded there once. Bounds are padded for rounding, so that whatever
-a finer level hits is hit by a coarser one, no farther away.
+Spheres and boxes (levels sphere, obb, octree) are solid: a ray that starts inside hits at distance 0. Triangles are a
+surface. A ray is transformed into the frame of a body and rounded there once. Bounds are padded for rounding, so that
+a hit at a finer level is a hit at every coarser level, no farther away.
 Sources: Ize 2013 (Robust BVH Ray Traversal); Haines et al. 2019 (Precision Improvements for Ray/Sphere Intersection).
 """
 
@@ -14,20 +14,20 @@ import numpy as np
 
 from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.mesh.octree import EMPTY, Octree
-from drone_engine.collision.ray.triangle import error, ray_triangle, shear
+from drone_engine.collision.ray.triangle import edge_function_error, ray_triangle, shear
 from drone_engine.collision_level import OBB, SPHERE, TRIANGLE
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
 
 EPS = 2.0**-52
-PAD = 16.0 * EPS  # of the distances in play: how much the box of a leaf grows
+PAD = 16.0 * EPS  # of the distances involved: how much the box of a leaf is padded
 TINY = 1e-290  # components of a unit direction below this count as 0
-POSITION, OFFSET, RADIUS, REACH, CENTRE, HALF, COLUMNS = 9, 12, 15, 16, 17, 20, 23  # of `tabulate`
+POSITION, OFFSET, RADIUS, REACH, CENTER, HALF, COLUMNS = 9, 12, 15, 16, 17, 20, 23  # of `prepare_bodies`
 
 
 @kernel
 def ray_sphere(ox, oy, oz, dx, dy, dz, radius):
-    """Distance from o along the unit direction d to the ball about 0; 0 from inside, inf if missed."""
+    """Distance from o along the unit direction d to a sphere about 0: 0 from inside, inf for a miss."""
     if ox * ox + oy * oy + oz * oz <= radius * radius:
         return 0.0
     along = ox * dx + oy * dy + oz * dz
@@ -40,14 +40,17 @@ def ray_sphere(ox, oy, oz, dx, dy, dz, radius):
 
 @kernel
 def reciprocal(d):
-    """1 / d, and a large finite number for 0, so that a slab's distances are never NaN."""
+    """1 / d, or a large finite number for 0, so that the distances of a slab are never NaN."""
     return 1.0 / d if abs(d) > TINY else math.copysign(1.0 / TINY, d)
 
 
 @kernel
 def ray_box(ox, oy, oz, ix, iy, iz, hx, hy, hz):
-    """Distance from o to the box |x| <= hx ... in its own frame; i: reciprocals of the unit direction; 0 from inside,
-    inf if missed. The last slab is left 2 roundings late, so that a hit is never lost (Ize 2013)."""
+    """Distance from o to the box |x| <= hx, |y| <= hy, |z| <= hz in its own frame: 0 from inside, inf for a miss.
+
+    (ix, iy, iz): reciprocals of the unit direction. The far distance is increased by 2 roundings, so that no hit is
+    lost (Ize 2013).
+    """
     x0, x1 = (-hx - ox) * ix, (hx - ox) * ix
     y0, y1 = (-hy - oy) * iy, (hy - oy) * iy
     z0, z1 = (-hz - oz) * iz, (hz - oz) * iz
@@ -58,9 +61,12 @@ def ray_box(ox, oy, oz, ix, iy, iz, hx, hy, hz):
 
 @kernel
 def ray_octree(box, link, corners, root, ox, oy, oz, dx, dy, dz, pad, bound, level, best, stack, entry):
-    """The nearest triangle (level TRIANGLE, its place in corners) or leaf (its node) that a ray hits closer than
-    `best`: (distance, index), index -1 if there is none. In the tree's frame, d a unit vector. Children are visited
-    front to back; stack and entry hold as many numbers as the tree has nodes.
+    """The nearest triangle (level TRIANGLE, else leaf) that a ray hits closer than `best`: (distance, index).
+
+    The index is the row in corners (t, 3, 3), or the node; -1 if there is none. box (n, 6), link (n, 4), corners: as in
+    Octree. o, d: the ray in the frame of the tree, d a unit vector. pad: padding of the boxes, m; bound: as in
+    `ray_triangle`. stack, entry: (n,) scratch. Children are visited from front to back. It takes 16 scalars and arrays,
+    as a leaf that runs once per ray and body.
     """
     ix, iy, iz = reciprocal(dx), reciprocal(dy), reciprocal(dz)
     kx, ky, kz, sx, sy, sz = shear(dx, dy, dz)
@@ -100,10 +106,14 @@ def ray_octree(box, link, corners, root, ox, oy, oz, dx, dy, dz, pad, bound, lev
 
 
 @kernel
-def tabulate(position, orientation, half, root, box, table):
-    """Writes what rays need of each body, a row of 23: rotation matrix; position; from there to the middle of its box,
-    in the world; the box's radius; how far it reaches from the position; the box's middle and half extents, in the
-    body. The box is that of the body's tree, and `half` about the position where it has none (root -1)."""
+def prepare_bodies(position, orientation, half, root, box, table):
+    """Writes a row of COLUMNS numbers for each of n bodies to table: rotation matrix, row by row; position; offset from
+    there to the center of its box, world; radius of the box; how far the box reaches from the position; center and half
+    extents of the box, body frame.
+
+    position (n, 3), orientation (n, 4), half (n, 3). The box is that of the tree with node root[i] of box (k, 6), or
+    `half` about the position where root[i] is -1.
+    """
     for i in range(position.shape[0]):
         row = table[i]
         m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
@@ -111,33 +121,33 @@ def tabulate(position, orientation, half, root, box, table):
             row[k] = m[k]
         for k in range(3):
             row[POSITION + k] = position[i, k]
-            row[CENTRE + k] = box[root[i], k] if root[i] >= 0 else 0.0
+            row[CENTER + k] = box[root[i], k] if root[i] >= 0 else 0.0
             row[HALF + k] = box[root[i], 3 + k] if root[i] >= 0 else half[i, k]
         for k in range(3):
-            row[OFFSET + k] = (m[3 * k] * row[CENTRE] + m[3 * k + 1] * row[CENTRE + 1]
-                               + m[3 * k + 2] * row[CENTRE + 2])
+            row[OFFSET + k] = (m[3 * k] * row[CENTER] + m[3 * k + 1] * row[CENTER + 1]
+                               + m[3 * k + 2] * row[CENTER + 2])
         row[RADIUS] = math.sqrt(row[HALF] ** 2 + row[HALF + 1] ** 2 + row[HALF + 2] ** 2)
-        row[REACH] = (abs(row[CENTRE]) + row[HALF] + abs(row[CENTRE + 1]) + row[HALF + 1]
-                      + abs(row[CENTRE + 2]) + row[HALF + 2])
+        row[REACH] = (abs(row[CENTER]) + row[HALF] + abs(row[CENTER + 1]) + row[HALF + 1]
+                      + abs(row[CENTER + 2]) + row[HALF + 2])
 
 
 @kernel
-def into(row, x, y, z):
-    """A vector of the world in the body's frame."""
+def to_body(row, x, y, z):
+    """A vector of the world frame in the frame of the body; row: of `prepare_bodies`."""
     return (row[0] * x + row[3] * y + row[6] * z, row[1] * x + row[4] * y + row[7] * z,
             row[2] * x + row[5] * y + row[8] * z)
 
 
 @kernel
-def out_of(row, x, y, z):
-    """A vector of the body's frame in the world."""
+def to_world(row, x, y, z):
+    """A vector of the body frame in the world; row: of `prepare_bodies`."""
     return (row[0] * x + row[1] * y + row[2] * z, row[3] * x + row[4] * y + row[5] * z,
             row[6] * x + row[7] * y + row[8] * z)
 
 
 @kernel
-def unit(x, y, z):
-    """The unit vector along a vector of any length but 0."""
+def normalized(x, y, z):
+    """The unit vector along a vector of any length but 0; NaN for 0."""
     most = max(abs(x), abs(y), abs(z))
     x, y, z = x / most, y / most, z / most
     norm = math.sqrt(x * x + y * y + z * z)
@@ -145,12 +155,15 @@ def unit(x, y, z):
 
 
 @kernel
-def cast_rays(origin, direction, limit, table, level, root, box, link, corners, stack, entry, distance, body, index,
-              normal, point):
-    """Writes the nearest hit closer than `limit` of each ray with any of the bodies: distance, body, index (see
-    ray_octree), normal, point. What was written before stays where a ray hits nothing."""
+def cast_rays(origin, direction, limit, table, level, root, box, link, corners, stack, entry, hits):
+    """Writes the nearest hit closer than `limit`, m, of each ray with any of the bodies to `hits`, as in Hits, with the
+    index of `ray_octree` as face. Rows of rays that hit nothing are left unchanged.
+
+    origin, direction: (n, 3); table: of `prepare_bodies`; level, root: (b,) collision level and tree of each body.
+    """
+    distance, body, index, normal, point = hits
     for i in range(origin.shape[0]):
-        dx, dy, dz = unit(direction[i, 0], direction[i, 1], direction[i, 2])
+        dx, dy, dz = normalized(direction[i, 0], direction[i, 1], direction[i, 2])
         best, hit, where = limit, -1, -1
         for b in range(table.shape[0]):
             row = table[b]
@@ -164,15 +177,15 @@ def cast_rays(origin, direction, limit, table, level, root, box, link, corners, 
                 continue
             found = -1
             if level[b] != SPHERE:
-                ox, oy, oz = into(row, gx, gy, gz)
-                ux, uy, uz = into(row, dx, dy, dz)
+                ox, oy, oz = to_body(row, gx, gy, gz)
+                ux, uy, uz = to_body(row, dx, dy, dz)
                 if level[b] == OBB:
-                    t = ray_box(ox - row[CENTRE], oy - row[CENTRE + 1], oz - row[CENTRE + 2], reciprocal(ux),
+                    t = ray_box(ox - row[CENTER], oy - row[CENTER + 1], oz - row[CENTER + 2], reciprocal(ux),
                                 reciprocal(uy), reciprocal(uz), row[HALF] + 2.0 * pad, row[HALF + 1] + 2.0 * pad,
                                 row[HALF + 2] + 2.0 * pad)
                 else:
-                    t, found = ray_octree(box, link, corners, root[b], ox, oy, oz, ux, uy, uz, pad, error(far),
-                                          level[b], best, stack, entry)
+                    t, found = ray_octree(box, link, corners, root[b], ox, oy, oz, ux, uy, uz, pad,
+                                          edge_function_error(far), level[b], best, stack, entry)
             if t < best:
                 best, hit, where = t, b, found
         if hit >= 0:
@@ -193,37 +206,40 @@ def cast_rays(origin, direction, limit, table, level, root, box, link, corners, 
 
 @kernel
 def normal_at(row, level, index, box, corners, x, y, z):
-    """The unit normal, in the world, of a body's surface at a point of it, which is given from the body's position in
-    the world; of a triangle either side's, 0 for one without area."""
+    """The unit normal of a body's surface at a point of it, world frame.
+
+    row: of `prepare_bodies`; level, index: what was hit, as in `ray_octree`; (x, y, z): the point from the position of
+    the body, world. The normal of a triangle points to either side, and is 0 for one without area.
+    """
     if level == SPHERE:
-        return unit(x - row[OFFSET], y - row[OFFSET + 1], z - row[OFFSET + 2])
+        return normalized(x - row[OFFSET], y - row[OFFSET + 1], z - row[OFFSET + 2])
     if level == TRIANGLE:
         a, b, c = corners[index, 0], corners[index, 1], corners[index, 2]
-        ux, uy, uz = unit(b[0] - a[0], b[1] - a[1], b[2] - a[2])
-        vx, vy, vz = unit(c[0] - a[0], c[1] - a[1], c[2] - a[2])
-        x, y, z = unit(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx)
-        return out_of(row, x, y, z) if x == x else (0.0, 0.0, 0.0)
-    x, y, z = into(row, x, y, z)
+        ux, uy, uz = normalized(b[0] - a[0], b[1] - a[1], b[2] - a[2])
+        vx, vy, vz = normalized(c[0] - a[0], c[1] - a[1], c[2] - a[2])
+        x, y, z = normalized(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx)
+        return to_world(row, x, y, z) if x == x else (0.0, 0.0, 0.0)
+    x, y, z = to_body(row, x, y, z)
     if level == OBB:
-        x, y, z = x - row[CENTRE], y - row[CENTRE + 1], z - row[CENTRE + 2]
+        x, y, z = x - row[CENTER], y - row[CENTER + 1], z - row[CENTER + 2]
         inside_x, inside_y, inside_z = row[HALF] - abs(x), row[HALF + 1] - abs(y), row[HALF + 2] - abs(z)
     else:
         x, y, z = x - box[index, 0], y - box[index, 1], z - box[index, 2]
         inside_x, inside_y, inside_z = box[index, 3] - abs(x), box[index, 4] - abs(y), box[index, 5] - abs(z)
     if inside_x <= inside_y and inside_x <= inside_z:
-        return out_of(row, math.copysign(1.0, x), 0.0, 0.0)
+        return to_world(row, math.copysign(1.0, x), 0.0, 0.0)
     if inside_y <= inside_z:
-        return out_of(row, 0.0, math.copysign(1.0, y), 0.0)
-    return out_of(row, 0.0, 0.0, math.copysign(1.0, z))
+        return to_world(row, 0.0, math.copysign(1.0, y), 0.0)
+    return to_world(row, 0.0, 0.0, math.copysign(1.0, z))
 
 
 class Hits(NamedTuple):
-    """The nearest hit of each of n rays. m, the world's frame; inf, -1 and NaN where there is none within the range."""
+    """The nearest hit of each of n rays; m, world frame. inf, -1 and NaN where there is none within the range."""
 
     distance: Floats  # (n,)
     body: Integers  # (n,)
-    face: Integers  # (n,) the triangle, as in the faces given; the node at level octree; -1 at levels sphere and obb
-    normal: Floats  # (n, 3) unit, of the surface, on the side that the ray comes from
+    face: Integers  # (n,) the triangle, as in the given faces; the node at level octree; -1 at levels sphere and obb
+    normal: Floats  # (n, 3) unit, of the surface, towards the side that the ray comes from
     point: Floats  # (n, 3)
 
 
@@ -231,9 +247,10 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
          forest: Octree | None = None, roots: Sequence[int] | Integers | int = -1, max_range: float = math.inf) -> Hits:
     """Casts n rays at b bodies, or at one.
 
-    origins: (n, 3) or (3,) m. directions: of any length but 0. poses: (b, 7) or (7,). half: (b, 3) or (3,) half extents
-    of the boxes, about the positions; bodies with a tree use its box. roots: nodes of the forest; -1: no tree.
-    Raises ValueError.
+    origins: (n, 3) or (3,) m. directions: (n, 3) or (3,), of any length but 0. poses: (b, 7) or (7,), x y z and a unit
+    quaternion x y z w. half: (b, 3) or (3,) half extents of the boxes about the positions, m; bodies with a tree use
+    the box of the tree. levels: (b,) collision levels, or one. roots: (b,) nodes of the forest, or one; -1: no tree.
+    Raises ValueError for other shapes, numbers that are not finite, directions of length 0 and missing trees.
     """
     origin, direction = (np.atleast_2d(np.ascontiguousarray(rays, float)) for rays in (origins, directions))
     pose = np.atleast_2d(np.asarray(poses, float))
@@ -247,18 +264,18 @@ def cast(origins: Floats, directions: Floats, poses: Floats, half: Floats, level
     if pose.shape != (bodies, 7):
         raise ValueError(f"poses: expected (b, 7), got {pose.shape}")
     if not (np.isfinite(origin).all() and np.isfinite(direction).all() and np.isfinite(pose).all()):
-        raise ValueError("rays: expected finite origins, directions and poses")
+        raise ValueError("rays: expected finite origins, directions and poses, got numbers that are not finite")
     if not direction.any(axis=1).all():
-        raise ValueError(f"directions: expected a length other than 0, ray {int(direction.any(axis=1).argmin())} has 0")
+        raise ValueError(f"directions[{int(direction.any(axis=1).argmin())}]: expected a length other than 0, got 0")
     if ((level > OBB) & (root < 0)).any() or (root >= nodes).any():
         raise ValueError(f"roots: expected nodes of a forest of {nodes} at levels octree and triangle, got {root}")
     box, link, corners, *_ = EMPTY if forest is None else forest
     table = np.empty((bodies, COLUMNS))
-    tabulate(np.ascontiguousarray(pose[:, :3]), np.ascontiguousarray(pose[:, 3:]), extent, root, box, table)
+    prepare_bodies(np.ascontiguousarray(pose[:, :3]), np.ascontiguousarray(pose[:, 3:]), extent, root, box, table)
     hits = Hits(np.full(count, np.inf), np.full(count, -1), np.full(count, -1), *np.full((2, count, 3), np.nan))
-    # A hit counts if it is closer than the next number, so that one at the very end of the range does.
+    # The limit is the next larger number, so that a hit exactly at the maximum range counts.
     cast_rays(origin, direction, np.nextafter(max_range, np.inf), table, level, root, box, link, corners,
-              np.empty(nodes, np.int64), np.empty(nodes), *hits)
+              np.empty(nodes, np.int64), np.empty(nodes), hits)
     on_triangle = (hits.body >= 0) & (level[hits.body] == TRIANGLE)
     if forest is not None:
         hits.face[on_triangle] = forest.face[hits.face[on_triangle]]

@@ -1,23 +1,24 @@
-"""A ray against a triangle, watertight: nothing slips through an edge or a vertex that triangles share.
+"""A ray against a triangle, watertight: no ray passes through an edge or a vertex that triangles share.
 
-Whether it hits is exact for the ray and the corners as given; only the distance is rounded. A triangle is closed, and
-one that is seen exactly edge on (one without area always is) is not hit: its neighbours are.
+Whether it hits is exact for the ray and the corners as given; only the distance is rounded. A triangle is closed. One
+that is seen exactly edge on (as one without area always is) is not hit: its neighbors are.
 Source: Woop, Benthin and Wald 2013 (Watertight Ray/Triangle Intersection), here with a filter and exact signs.
 """
 
 import math
 
-from drone_engine.collision import exact_arithmetic as exact
+from drone_engine.collision.exact_arithmetic import add_determinant, orient3d, sign, zeros
 from drone_engine.kernel import kernel
 
 EPS = 2.0**-52
-TINY = 1e-290  # more than underflow can hide
+TINY = 1e-290  # more than an underflow can amount to
 
 
 @kernel
-def error(reach):
-    """Bounds the error of an edge function; reach: no coordinate of a corner is farther from the ray's origin.
+def edge_function_error(reach):
+    """A bound of the rounding error of an edge function, m2.
 
+    reach: largest coordinate of a corner, from the origin of the ray, m.
     Each sheared coordinate, up to 2 reach, has up to 6 roundings of size reach, the function 4 of 4 reach^2 on top:
     32 eps reach^2.
     """
@@ -26,10 +27,11 @@ def error(reach):
 
 @kernel
 def ray_triangle(corners, i, ox, oy, oz, dx, dy, dz, kx, ky, kz, sx, sy, sz, bound):
-    """Distance from o along d to triangle i of corners (m, 3, 3), inf if missed; what `shear` gives, and `bound`.
+    """Distance from o along d, in units of d, to triangle i of corners (m, 3, 3); inf for a miss.
 
-    Decided by the side on which the ray passes the edges, in coordinates sheared so that the ray is the third axis. An
-    edge function farther from 0 than `bound` has the right sign; others are decided exactly.
+    kx to sz: of `shear`; bound: of `edge_function_error`. The result depends on the side on which the ray passes each
+    edge, in coordinates that are sheared so that the ray is the third axis. An edge function farther from 0 than
+    `bound` has the right sign; others are decided exactly. It takes 15 scalars and arrays, as an inner leaf.
     """
     o, d = (ox, oy, oz), (dx, dy, dz)
     az, bz, cz = corners[i, 0, kz] - o[kz], corners[i, 1, kz] - o[kz], corners[i, 2, kz] - o[kz]
@@ -51,12 +53,12 @@ def ray_triangle(corners, i, ox, oy, oz, dx, dy, dz, kx, ky, kz, sx, sy, sz, bou
     if front < 0.0:
         return math.inf
     if flat:
-        t = sz * _depth_of_line(ax, ay, az, bx, by, bz, cx, cy, cz)
+        t = sz * _edge_on_depth(ax, ay, az, bx, by, bz, cx, cy, cz)
     else:
         t = sz * ((u * az + v * bz + w * cz) / (u + v + w))
     if back <= 0.0:  # the origin may lie in the triangle's plane, or past it
         facing = (u + v + w < 0.0) == (d[kz] > 0.0)
-        ahead = exact.orient3d(ox, oy, oz, corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2],
+        ahead = orient3d(ox, oy, oz, corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2],
                                corners[i, 1, 0], corners[i, 1, 1], corners[i, 1, 2],
                                corners[i, 2, 0], corners[i, 2, 1], corners[i, 2, 2])
         if ahead == 0:
@@ -68,7 +70,8 @@ def ray_triangle(corners, i, ox, oy, oz, dx, dy, dz, kx, ky, kz, sx, sy, sz, bou
 
 @kernel
 def shear(dx, dy, dz):
-    """The direction's largest component kz, the two others in turn, their slopes, and 1 / the largest."""
+    """The shear that makes the direction the third axis: indices kx, ky, kz of the components, the largest last, the
+    slopes sx, sy along the others, and the scale sz."""
     ax, ay, az = abs(dx), abs(dy), abs(dz)
     d = (dx, dy, dz)
     kz = 0 if ax >= ay and ax >= az else (1 if ay >= az else 2)
@@ -78,23 +81,28 @@ def shear(dx, dy, dz):
 
 @kernel
 def _side(corners, i, j, k, o, d, dz, value, bound):
-    """The edge function of corners j and k with the right sign: `value` if it is farther from 0 than bound, else
-    0 or a number near 0. The sign is that of det[d, j - o, k - o], turned by that of dz."""
+    """The edge function of corners j and k of triangle i with the right sign: `value` if it has it, else +-TINY or 0.
+
+    `value` is trusted if it is farther from 0 than `bound`. The sign is that of det[d, j - o, k - o], times that of dz.
+    """
     if abs(value) > bound:
         return value
     jx, jy, jz = corners[i, j, 0], corners[i, j, 1], corners[i, j, 2]
     kx, ky, kz = corners[i, k, 0], corners[i, k, 1], corners[i, k, 2]
-    acc = exact.zeros()
-    exact.add_determinant(acc, 1, 1.0, d[0], d[1], d[2], jx, jy, jz, kx, ky, kz)
-    exact.add_determinant(acc, -1, 1.0, d[0], d[1], d[2], o[0], o[1], o[2], kx, ky, kz)
-    exact.add_determinant(acc, -1, 1.0, d[0], d[1], d[2], jx, jy, jz, o[0], o[1], o[2])
-    sign = exact.sign(acc) if dz > 0.0 else -exact.sign(acc)
-    return value if sign * value > 0.0 else sign * TINY
+    acc = zeros()
+    add_determinant(acc, 1, 1.0, d[0], d[1], d[2], jx, jy, jz, kx, ky, kz)
+    add_determinant(acc, -1, 1.0, d[0], d[1], d[2], o[0], o[1], o[2], kx, ky, kz)
+    add_determinant(acc, -1, 1.0, d[0], d[1], d[2], jx, jy, jz, o[0], o[1], o[2])
+    side = sign(acc) if dz > 0.0 else -sign(acc)
+    return value if side * value > 0.0 else side * TINY
 
 
 @kernel
-def _depth_of_line(ax, ay, az, bx, by, bz, cx, cy, cz):
-    """Where the third axis meets a triangle that looks like a line along it: on the longest of the three edges."""
+def _edge_on_depth(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """Where the third axis meets a triangle that it sees edge on, as coordinate along the axis: on the longest edge.
+
+    a, b, c: corners in sheared coordinates.
+    """
     ab, bc, ca = (bx - ax) ** 2 + (by - ay) ** 2, (cx - bx) ** 2 + (cy - by) ** 2, (ax - cx) ** 2 + (ay - cy) ** 2
     if bc >= ab and bc >= ca:
         ax, ay, az, bx, by, bz = bx, by, bz, cx, cy, cz

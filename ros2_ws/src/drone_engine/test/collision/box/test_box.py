@@ -1,9 +1,9 @@
-"""Pairs of oriented boxes in arrays: who touches, and where."""
+"""Pairs of oriented boxes: which of them touch, and where."""
 
 import numpy as np
 import pytest
 
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box.box import contacts, intersects
 from drone_engine.math.rotation import matrix
 
 Boxes = list[np.ndarray]
@@ -36,25 +36,25 @@ def inside(center: np.ndarray, axes: np.ndarray, half: np.ndarray, points: np.nd
 
 def test_cubes_touch_and_do_not() -> None:
     boxes = cubes((0, 0, 0), (0.9, 0.9, 0.9), (1, 0, 0), (1, 1, 1), (1.0000001, 0, 0), (0, -1.0000001, 0), (3, 3, 3))
-    assert obb.intersects(*boxes).tolist() == [True, True, True, True, False, False, False]
+    assert intersects(*boxes).tolist() == [True, True, True, True, False, False, False]
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 31, 32, 33, 64, 100])
 def test_any_number_of_pairs_gives_what_each_gives_alone(count: int) -> None:
     boxes = near(count)
-    answers = obb.intersects(*boxes)
+    answers = intersects(*boxes)
     assert answers.shape == (count,)
     assert answers.dtype == np.bool_
-    assert answers.tolist() == [bool(obb.intersects(*[array[k : k + 1] for array in boxes])[0]) for k in range(count)]
+    assert answers.tolist() == [bool(intersects(*[array[k : k + 1] for array in boxes])[0]) for k in range(count)]
 
 
-def test_other_memory_and_types_give_the_same() -> None:
+def test_memory_layout_and_type_do_not_matter() -> None:
     boxes = near(50)
-    expected = obb.intersects(*boxes)
+    expected = intersects(*boxes)
     assert 10 < expected.sum() < 40
-    np.testing.assert_array_equal(obb.intersects(*[np.asfortranarray(array) for array in boxes]), expected)
-    np.testing.assert_array_equal(obb.intersects(*[array.tolist() for array in boxes]), expected)
-    np.testing.assert_array_equal(obb.intersects(*[np.repeat(array, 2, 0)[::2] for array in boxes]), expected)
+    np.testing.assert_array_equal(intersects(*[np.asfortranarray(array) for array in boxes]), expected)
+    np.testing.assert_array_equal(intersects(*[array.tolist() for array in boxes]), expected)
+    np.testing.assert_array_equal(intersects(*[np.repeat(array, 2, 0)[::2] for array in boxes]), expected)
 
 
 def test_flat_boxes_cross_and_miss() -> None:
@@ -65,16 +65,16 @@ def test_flat_boxes_cross_and_miss() -> None:
                                    (point, (1.0, -1.0, 0.0), True), (point, (1.0, -1.0, 5e-324), False),
                                    (plate, (2.0, 0.0, 0.0), True), (plate, (2.0, 0.0, 1e-300), False)):
         boxes = [origin, axes, plate, np.array(offset), axes, half]
-        assert obb.intersects(*[array[None] for array in boxes]).tolist() == [expected]
+        assert intersects(*[array[None] for array in boxes]).tolist() == [expected]
 
 
-def test_skewed_axes_are_taken_as_they_are() -> None:
+def test_skewed_axes_are_used_as_given() -> None:
     """b is sheared: its corner at (2, 2) reaches beyond a box of the same axes made orthonormal."""
     sheared = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     one = np.ones((1, 3))
     for offset, expected in ((2.9, True), (3.0, True), (3.0000001, False)):
         center = np.array([[offset, 2.0, 0.0]])
-        answer = obb.intersects(np.zeros((1, 3)), sheared[None], one, center, np.eye(3)[None], one)
+        answer = intersects(np.zeros((1, 3)), sheared[None], one, center, np.eye(3)[None], one)
         assert answer.tolist() == [expected]
 
 
@@ -83,41 +83,41 @@ def test_all_axes_in_one_plane() -> None:
     flat = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
     half = np.array([[1.0, 1.0, 0.0]])
     for offset, expected in (((2.0, 2.0, 0.0), True), ((2.1, 0.0, 0.0), False), ((0.0, 0.0, 0.1), False)):
-        answer = obb.intersects(np.zeros((1, 3)), flat[None], half, np.array([offset]), flat[None], half)
+        answer = intersects(np.zeros((1, 3)), flat[None], half, np.array([offset]), flat[None], half)
         assert answer.tolist() == [expected]
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_numbers_that_are_none_get_named(name: str, value: float) -> None:
+def test_numbers_that_are_not_finite_are_named(name: str, value: float) -> None:
     boxes = near(40)
     boxes[NAMES.index(name)][37, ..., 1] = value
-    for function in (obb.intersects, obb.contacts):
+    for function in (intersects, contacts):
         with pytest.raises(ValueError, match=rf"^{name}\[37\]: expected finite numbers, got [^\n]*$"):
             function(*boxes)
 
 
 @pytest.mark.parametrize("name", ["half_a", "half_b"])
-def test_a_negative_half_extent_gets_named(name: str) -> None:
+def test_a_negative_half_extent_is_named(name: str) -> None:
     boxes = near(40)
     boxes[NAMES.index(name)][5, 2] = -0.5
     boxes[3][5] += 1000.0  # far away or not
     with pytest.raises(ValueError, match=rf"^{name}\[5\]: expected half extents that are not negative, got [^\n]*$"):
-        obb.intersects(*boxes)
+        intersects(*boxes)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_another_shape_gets_named(name: str) -> None:
+def test_a_wrong_shape_is_named(name: str) -> None:
     boxes = near(4)
     boxes[NAMES.index(name)] = np.zeros((4, 2))
     with pytest.raises(ValueError, match=rf"^{name}: expected an array of shape \(4, 3(, 3)?\), got \(4, 2\)$"):
-        obb.intersects(*boxes)
+        intersects(*boxes)
 
 
 def test_contacts_are_midway_between_a_point_of_each_box() -> None:
     boxes = near(500)
-    found = obb.contacts(*boxes)
-    np.testing.assert_array_equal(found.number, np.flatnonzero(obb.intersects(*boxes)))
+    found = contacts(*boxes)
+    np.testing.assert_array_equal(found.number, np.flatnonzero(intersects(*boxes)))
     assert set(np.diff(found.first).tolist()) >= {1, 2, 3, 4, 5, 6}
     for i, k in enumerate(found.number):
         own = slice(found.first[i], found.first[i + 1])
@@ -129,8 +129,8 @@ def test_contacts_are_midway_between_a_point_of_each_box() -> None:
         assert inside(*a, found.point[own] - way, 1e-8) and inside(*b, found.point[own] + way, 1e-8)
 
 
-def test_contacts_of_what_touches_exactly() -> None:
-    found = obb.contacts(*cubes((1, 0, 0), (0, -1, 0.25), (1, 1, 0), (-1, 1, 1), (1.0000001, 0, 0)))
+def test_contacts_of_boxes_that_just_touch() -> None:
+    found = contacts(*cubes((1, 0, 0), (0, -1, 0.25), (1, 1, 0), (-1, 1, 1), (1.0000001, 0, 0)))
     assert found.number.tolist() == [0, 1, 2, 3]
     assert found.first[1] == 4
     np.testing.assert_array_equal(found.separation, 0.0)
@@ -142,15 +142,15 @@ def test_equal_boxes_on_each_other_have_four_corners() -> None:
         boxes = near(1, turn)
         boxes[4], boxes[5] = boxes[1].copy(), boxes[2].copy()
         boxes[3] = boxes[0] + 1.99 * boxes[2][:, [0]] * boxes[1][:, 0]
-        assert obb.contacts(*boxes).first.tolist() == [0, 4]
+        assert contacts(*boxes).first.tolist() == [0, 4]
 
 
-def test_swapping_turns_the_normal_and_nothing_else() -> None:
+def test_swapping_reverses_the_normal_and_nothing_else() -> None:
     boxes = near(500, 3)
     quarter = near(500, 4)  # of equal size, and parallel: all faces tie
     quarter[4], quarter[5] = quarter[1][:, [1, 2, 0]], quarter[2][:, [1, 2, 0]]
     for pairs in (boxes, quarter):
-        first, second = obb.contacts(*pairs), obb.contacts(*pairs[3:], *pairs[:3])
+        first, second = contacts(*pairs), contacts(*pairs[3:], *pairs[:3])
         np.testing.assert_array_equal(first.normal, -second.normal)
         for part in ("number", "first", "point", "separation"):
             np.testing.assert_array_equal(getattr(first, part), getattr(second, part))
@@ -160,7 +160,7 @@ def test_features_stay_while_boxes_move_a_little() -> None:
     boxes = near(300, 5)
     moved = [array.copy() for array in boxes]
     moved[3] += 1e-7
-    one, two = obb.contacts(*boxes), obb.contacts(*moved)
+    one, two = contacts(*boxes), contacts(*moved)
     same = 0
     for i, k in enumerate(one.number):
         j = np.searchsorted(two.number, k)

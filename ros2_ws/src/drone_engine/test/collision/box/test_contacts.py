@@ -1,4 +1,4 @@
-"""Contacts of boxes with boxes and with floors, against what geometry says."""
+"""Contacts of boxes with boxes and with planes, against geometry."""
 
 from collections.abc import Callable
 
@@ -28,7 +28,7 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
 
 
 def pose(x: float, y: float, z: float, turn: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
-    """Turned about the vector `turn` by its length, rad."""
+    """A pose; turn: rotation vector, rad."""
     angle = float(np.linalg.norm(turn))
     axis = np.array(turn) / angle if angle else np.zeros(3)
     return np.array([x, y, z, *(axis * np.sin(angle / 2)), np.cos(angle / 2)])
@@ -46,7 +46,7 @@ def test_face_on_face_has_four_corners_and_the_depth() -> None:
     np.testing.assert_allclose(point[:, 2], 0.475, atol=1e-12)
 
 
-def test_turned_face_on_face_has_eight_corners() -> None:
+def test_rotated_face_on_face_has_eight_corners() -> None:
     count, normal, point, separation, feature = contact(pose(0, 0, 0), CUBE, pose(0, 0, 0.99, (0, 0, np.pi / 4)), CUBE)
     assert count == 8
     assert len(set(feature.tolist())) == 8
@@ -74,7 +74,7 @@ def test_apart_by_more_than_the_margin_is_no_contact() -> None:
 
 def directions(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray,
                half_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All directions (n, 3) in which b may part from a, and how far apart the boxes are along each, (n,)."""
+    """All directions (n, 3) in which b may separate from a, and the gaps between the boxes along each, (n,)."""
     axes = np.empty((2, 3, 3))
     set_all_axes(np.array([pose_a, pose_b])[:, 3:], axes)
     edges = np.cross(axes[0][:, None], axes[1][None]).reshape(9, 3)
@@ -92,14 +92,15 @@ size = st.tuples(*[st.floats(0.05, 1)] * 3)
 
 @given(vector, vector, size, vector, vector, size)
 @settings(max_examples=300, deadline=None)
-def test_swapping_the_boxes_turns_the_normal(pa: tuple, ta: tuple, ha: tuple, pb: tuple, tb: tuple, hb: tuple) -> None:
+def test_swapping_the_boxes_reverses_the_normal(
+        pa: tuple, ta: tuple, ha: tuple, pb: tuple, tb: tuple, hb: tuple) -> None:
     a, b = (pose(*pa, ta), np.array(ha)), (pose(*pb, tb), np.array(hb))
     first, second = contact(*a, *b), contact(*b, *a)
     assert (first[0] > 0) == (second[0] > 0)
     if not first[0]:
         return
     assert np.linalg.norm(first[1]) == pytest.approx(1.0)
-    assert first[3].min() == pytest.approx(second[3].min(), abs=0.02)  # faces are preferred by a hair
+    assert first[3].min() == pytest.approx(second[3].min(), abs=0.02)  # faces are preferred slightly
     normals, apart = directions(*a, *b)
     best = np.argmax(apart)
     others = np.linalg.norm(normals - normals[best], axis=1) > 1e-9
@@ -111,7 +112,7 @@ def test_swapping_the_boxes_turns_the_normal(pa: tuple, ta: tuple, ha: tuple, pb
 
 @given(vector, vector, size, vector, vector, size)
 @settings(max_examples=300, deadline=None)
-def test_parting_along_the_normal_by_the_depth_ends_the_contact(
+def test_moving_apart_along_the_normal_by_the_depth_ends_the_contact(
         pa: tuple, ta: tuple, ha: tuple, pb: tuple, tb: tuple, hb: tuple) -> None:
     count, normal, _, separation, _ = contact(pose(*pa, ta), np.array(ha), pose(*pb, tb), np.array(hb))
     if count:
@@ -119,7 +120,7 @@ def test_parting_along_the_normal_by_the_depth_ends_the_contact(
         assert contact(pose(*pa, ta), np.array(ha), pose(*moved, tb), np.array(hb))[0] == 0
 
 
-def test_a_box_on_the_floor_stands_on_its_lowest_corners() -> None:
+def test_contacts_of_a_box_with_a_plane_are_its_lowest_corners() -> None:
     axes = np.empty((1, 3, 3))
     set_all_axes(pose(0, 0, 0)[None, 3:], axes)
     point, separation, feature = np.zeros((8, 3)), np.zeros(8), np.zeros(8, np.int64)
