@@ -1,4 +1,4 @@
-"""What `make accuracy` counts: misses and false alarms, when alarms begin, how far surfaces are apart then."""
+"""The counts of `make accuracy`: missed and false hits, first hits, and distances of surfaces at these."""
 
 from pathlib import Path
 
@@ -18,10 +18,10 @@ FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
          (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
 CUBE = octree.build(CORNERS, FACES)
 HERE = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
-EIGHTH = np.sin(np.pi / 8), np.cos(np.pi / 8)  # a turn by 45 degrees
+EIGHTH = np.sin(np.pi / 8), np.cos(np.pi / 8)  # a rotation by 45 degrees
 
 
-def test_what_a_coarser_level_misses_and_invents_is_counted() -> None:
+def test_missed_and_false_hits_of_a_coarser_level_are_counted() -> None:
     tally = Tally()
     count(tally, np.array([[1, 1, 0, 0, 1], [1, 1, 1, 0, 0], [1, 0, 0, 0, 1], [1, 0, 0, 1, 0]], bool))
     assert tally.poses == 5
@@ -30,36 +30,36 @@ def test_what_a_coarser_level_misses_and_invents_is_counted() -> None:
     assert tally.missed == [1, 1, 1, 0]
 
 
-def test_an_alarm_begins_after_a_second_without() -> None:
+def test_a_first_hit_follows_a_second_without_hits() -> None:
     times = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 5.0, 5.1, 5.2, 9.0, 9.1])
     hit = np.array([0, 1, 0, 1, 1, 1, 1, 0, 0, 1], bool)
     assert first_hits(times, hit) == [(1, True), (5, False), (9, True)]
 
 
-@pytest.mark.parametrize(("pose_a", "pose_b", "apart"), [
+@pytest.mark.parametrize(("pose_a", "pose_b", "distance"), [
     ((0, 0, 0, 0, 0, 0, 1), (2.25, 0.5, -0.3, 0, 0, 0, 1), 0.25),
-    ((0, 0, 0, 0, 0, 0, 1), (2.3, 2.4, 0, 0, 0, 0, 1), 0.5),  # edges that run alongside
+    ((0, 0, 0, 0, 0, 0, 1), (2.3, 2.4, 0, 0, 0, 0, 1), 0.5),  # parallel edges
     ((0, 0, 0, 0, 0, 0, 1), (1.3 + np.sqrt(2), 0.2, 0, 0, 0, *EIGHTH), 0.3),  # an edge before a face
     ((0, 0, 0, 0, 0, *EIGHTH), (0.1 + np.sqrt(8), 0, 0, 0, EIGHTH[0], 0, EIGHTH[1]), 0.1),  # edges that cross
 ])
-def test_gaps_of_cubes(pose_a: tuple[float, ...], pose_b: tuple[float, ...], apart: float) -> None:
+def test_distances_of_cubes(pose_a: tuple[float, ...], pose_b: tuple[float, ...], distance: float) -> None:
     a, b = np.array(pose_a, float), np.array(pose_b, float)
-    assert surface_distance(CUBE, a, CUBE, b) == pytest.approx(apart, abs=1e-12)
-    assert surface_distance(CUBE, b, CUBE, a) == pytest.approx(apart, abs=1e-12)
+    assert surface_distance(CUBE, a, CUBE, b) == pytest.approx(distance, abs=1e-12)
+    assert surface_distance(CUBE, b, CUBE, a) == pytest.approx(distance, abs=1e-12)
 
 
-def test_gaps_of_many_triangles() -> None:
+def test_distances_of_many_triangles() -> None:
     random = np.random.default_rng(2)
     for _ in range(40):
         a, b = (octree.build(np.repeat(random.uniform(-1, 1, (40, 3)), 3, axis=0) + random.normal(0, 0.02, (120, 3)),
                              np.arange(120).reshape(40, 3)) for _ in range(2))
-        apart = np.array([1.2, 0.9, 1.5, 0, 0, 0, 1])
-        near = min(closest(tuple(s.ravel()), tuple(t.ravel() + np.tile(apart[:3], 3)))[0]
+        distance = np.array([1.2, 0.9, 1.5, 0, 0, 0, 1])
+        near = min(closest(tuple(s.ravel()), tuple(t.ravel() + np.tile(distance[:3], 3)))[0]
                    for s in a.corners for t in b.corners)
-        assert surface_distance(a, HERE, b, apart) == pytest.approx(np.sqrt(near), abs=1e-12)
+        assert surface_distance(a, HERE, b, distance) == pytest.approx(np.sqrt(near), abs=1e-12)
 
 
-def test_alarms_of_cubes_begin_where_their_bounds_touch(tmp_path: Path) -> None:
+def test_first_hits_of_cubes_are_where_their_bounds_touch(tmp_path: Path) -> None:
     path = tmp_path / "cube.obj"
     path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
                     + "".join(f"f {i + 1} {j + 1} {k + 1}\n" for i, j, k in FACES))
@@ -73,7 +73,7 @@ def test_alarms_of_cubes_begin_where_their_bounds_touch(tmp_path: Path) -> None:
     assert [gaps[0] for gaps in tally.gaps] == pytest.approx([2 * np.sqrt(3) - 2, 0, 0, 0], abs=1e-4)
 
 
-def test_each_level_cries_later_than_the_one_before_and_misses_nothing() -> None:
+def test_each_level_reports_hits_later_than_the_one_before_and_misses_none() -> None:
     tally = Tally()
     drone, ring = asset_path("models", "drone.obj"), asset_path("models", "ring.obj")
     rows, near = lines(drone, ring, 6, np.random.default_rng(3))
@@ -84,5 +84,5 @@ def test_each_level_cries_later_than_the_one_before_and_misses_nothing() -> None
     assert sphere > obb > tree > triangle == 0.0
     assert tally.false[0] >= tally.false[1] > tally.false[2] > tally.false[3] == 0
     assert tally.missed == [0, 0, 0, 0]
-    assert tally.hits[3] == tally.poses // 2  # those past the touch, and no others
+    assert tally.hits[3] == tally.poses // 2  # exactly the poses past the touch
     assert np.median(tally.depth[0]) > np.median(tally.depth[2]) > 0.0 == max(tally.depth[3])

@@ -1,4 +1,4 @@
-"""The box level gives the answers of exact arithmetic, on the pairs that rounding gets wrong."""
+"""The box level gives the exact answers on pairs that rounding gets wrong."""
 
 import numpy as np
 import pytest
@@ -9,14 +9,14 @@ from drone_engine.collision.box import box as obb
 from reference.box_families import FAMILIES, QUARTERS, Pairs
 from reference.box_oracle import all_boxes_touch, boxes_touch
 
-COUNT = 3000  # pairs of a family; the long counts are in `make hard-cases`
+COUNT = 3000  # pairs of a family; `make hard-cases` has the large counts
 
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_no_answer_differs_from_exact_arithmetic(name: str) -> None:
     pairs = FAMILIES[name](np.random.default_rng(1), COUNT)
     expected = all_boxes_touch(*pairs)
-    assert 0.2 < expected.mean() < 0.9  # both answers are there to get wrong
+    assert 0.2 < expected.mean() < 0.9  # both answers are frequent
     wrong = np.flatnonzero(obb.intersects(*pairs) != expected)
     assert not len(wrong), f"{len(wrong)} wrong, the first: {[array[wrong[0]].tolist() for array in pairs]}"
 
@@ -28,8 +28,8 @@ def test_swapping_the_boxes_changes_no_answer(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["parallel", "touching"])
-def test_a_family_is_as_hard_as_it_says(name: str) -> None:
-    """Plain floating point, without and with an epsilon, is wrong for many."""
+def test_plain_floating_point_fails_on_the_hardest_families(name: str) -> None:
+    """Also with an epsilon."""
     pairs = FAMILIES[name](np.random.default_rng(3), COUNT)
     exact = obb.intersects(*pairs)
     for epsilon in (0.0, 1e-6):
@@ -45,16 +45,16 @@ def plain(center_a: np.ndarray, axes_a: np.ndarray, half_a: np.ndarray, center_b
     return np.all(np.abs(np.einsum("nic,nc->ni", normals, center_b - center_a)) <= reach + epsilon, axis=1)
 
 
-@pytest.mark.parametrize("turn", [0, 9, 20, 47])
+@pytest.mark.parametrize("quarter", [0, 9, 20, 47])
 @pytest.mark.parametrize("kind", ["face", "edge", "vertex"])
-def test_touch_is_a_hit_and_one_ulp_more_is_none(kind: str, turn: int) -> None:
+def test_touch_is_a_hit_and_one_ulp_more_is_none(kind: str, quarter: int) -> None:
     half_a, half_b = np.array([0.5, 0.25, 1.0]), np.array([0.125, 2.0, 0.75])
-    reach = half_a + np.abs(QUARTERS[turn].T) @ half_b
+    reach = half_a + np.abs(QUARTERS[quarter].T) @ half_b
     offset = reach * {"face": [1.0, 0.3, -0.4], "edge": [1.0, -1.0, 0.4], "vertex": [-1.0, 1.0, 1.0]}[kind]
     beyond = offset.copy()
     beyond[0] = np.nextafter(offset[0], 2 * offset[0])
-    for place, expected in ((offset, True), (beyond, False)):
-        answer = obb.intersects(np.zeros((1, 3)), np.eye(3)[None], half_a[None], place[None], QUARTERS[turn][None],
+    for center, expected in ((offset, True), (beyond, False)):
+        answer = obb.intersects(np.zeros((1, 3)), np.eye(3)[None], half_a[None], center[None], QUARTERS[quarter][None],
                                 half_b[None])
         assert answer.tolist() == [expected]
 
@@ -67,7 +67,7 @@ box = st.tuples(vector, st.one_of(st.tuples(vector, vector, vector), st.sampled_
 
 @given(box, box)
 @settings(max_examples=400, deadline=None)
-def test_whatever_boxes(a: tuple, b: tuple) -> None:
+def test_arbitrary_boxes(a: tuple, b: tuple) -> None:
     arrays = [np.array(numbers, np.float64) for numbers in (*a, *b)]
     arrays[2], arrays[5] = np.abs(arrays[2]), np.abs(arrays[5])
     assert obb.intersects(*[array[None] for array in arrays])[0] == boxes_touch(*arrays)
@@ -75,6 +75,6 @@ def test_whatever_boxes(a: tuple, b: tuple) -> None:
 
 @given(st.sampled_from(sorted(FAMILIES)), st.integers(0, 2**32 - 1))
 @settings(max_examples=60, deadline=None)
-def test_whatever_seed(name: str, seed: int) -> None:
+def test_arbitrary_seeds(name: str, seed: int) -> None:
     pairs: Pairs = FAMILIES[name](np.random.default_rng(seed), 20)
     np.testing.assert_array_equal(obb.intersects(*pairs), all_boxes_touch(*pairs))

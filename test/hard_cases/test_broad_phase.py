@@ -1,4 +1,4 @@
-"""The grid finds exactly the pairs that brute force finds, however far, however large, however close to missing."""
+"""The grid finds exactly the pairs that brute force finds, for all distances, sizes and gaps."""
 
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ from reference.broad_phase import Boxes, brute_force, random_boxes
 
 
 def check(low: Floats, high: Floats, movable: Booleans | None = None, broad: Grid | None = None) -> int:
-    """Compares with brute force and returns the number of pairs."""
+    """Compares the pairs of the grid with those of brute force; returns their number."""
     movable = np.ones(len(low), bool) if movable is None else movable
     broad = Grid(high / 2 - low / 2) if broad is None else broad
     found = np.stack(broad.pairs(low, high, np.ones(len(low), bool), movable), axis=1)
@@ -23,7 +23,7 @@ def check(low: Floats, high: Floats, movable: Booleans | None = None, broad: Gri
 
 
 @pytest.mark.parametrize("reach", [1, 10, 100, 1000])
-def test_a_box_across_any_number_of_sectors_meets_all_that_it_overlaps(reach: int) -> None:
+def test_a_box_across_any_number_of_cells_is_paired_with_all_overlapping_boxes(reach: int) -> None:
     rng = np.random.default_rng(reach)
     center = rng.uniform(-1.1, 1.1, (400, 3)) * [reach, 2, 2]
     half = rng.uniform(0.2, 0.5, (400, 3))
@@ -32,14 +32,14 @@ def test_a_box_across_any_number_of_sectors_meets_all_that_it_overlaps(reach: in
     assert check(center - half, center + half) > 300
 
 
-def test_a_box_in_many_sectors_is_no_pair_of_its_own_and_every_pair_comes_once() -> None:
+def test_no_pair_of_a_box_with_itself_and_each_pair_once() -> None:
     side = np.arange(6.0)
     low = np.stack(np.meshgrid(side, side, side), -1).reshape(-1, 3)
     assert check(low, low + 1.0) == ((3 * 6 - 2) ** 3 - 6**3) // 2  # each touches its neighbors, corners too
 
 
 @pytest.mark.parametrize("octant", [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-def test_negative_sectors(octant: tuple[int, int, int]) -> None:
+def test_negative_cells(octant: tuple[int, int, int]) -> None:
     low, high = random_boxes(5, 300, (0.2, 1.0), crowd=3.0)
     shift = np.array(octant) * [2.0, 20.0, 200.0]
     assert check(low + shift, high + shift) > 100
@@ -55,7 +55,7 @@ def test_a_millimeter_beside_a_kilometer() -> None:
 
 
 def dust_between_giants(count: int) -> Boxes:
-    """Half of the boxes 1 mm in a jar where they hardly touch, half 1 km and sparse, one around the jar."""
+    """Half of the boxes 1 mm and barely touching, half 1 km and sparse, one of them around the small ones."""
     rng = np.random.default_rng(count)
     half = np.repeat([[0.0005], [500.0]], count // 2, axis=0) * np.ones(3)
     room = half * np.cbrt(count / 2)
@@ -64,7 +64,7 @@ def dust_between_giants(count: int) -> Boxes:
 
 
 def memory(broad: Grid) -> int:
-    """Bytes of all its arrays."""
+    """Bytes of all arrays of the grid."""
     return sum(array.nbytes for array in vars(broad).values() if isinstance(array, np.ndarray))
 
 
@@ -93,12 +93,12 @@ def test_every_size_from_a_micrometer_to_a_hundred_kilometers() -> None:
     for seed in range(3):
         low, high = random_boxes(seed, 500, (1e-6, 1e5))
         inside = np.random.default_rng(seed).uniform(0, 500, len(low)).astype(int)
-        shift = low[inside] - low  # most small ones would be alone otherwise
+        shift = low[inside] - low  # otherwise most small boxes would have no pair
         assert check(low + shift, high + shift) > 300
 
 
 def stacks(gap: float) -> Boxes:
-    """Boxes of random thickness on one another along each axis, one ulp closer (gap < 0) or further than touching."""
+    """Boxes of random thickness stacked along each axis, touching, or one ulp closer (gap < 0) or farther."""
     rng = np.random.default_rng(3)
     lows, highs = [], []
     for axis in range(3):
@@ -115,13 +115,13 @@ def stacks(gap: float) -> Boxes:
 
 @pytest.mark.parametrize(("gap", "pairs"), [(0, 24 * 28), (-1, 24 * 28), (1, 0)])
 @pytest.mark.parametrize("scale", [1.0, 2.0**-30, 2.0**30])  # powers of two keep the gap
-def test_touching_is_a_pair_and_a_gap_of_one_ulp_is_none(gap: int, pairs: int, scale: float) -> None:
+def test_touching_is_a_pair_and_a_gap_of_one_ulp_is_not(gap: int, pairs: int, scale: float) -> None:
     low, high = stacks(gap)
     assert check(low * scale, high * scale) == pairs
 
 
-def test_touching_on_the_edge_of_a_sector() -> None:
-    """Boxes as long as a sector, half, a third, twice: their faces are where sectors begin, up to rounding."""
+def test_touching_at_the_edge_of_a_cell() -> None:
+    """Boxes as long as a cell, half, a third, twice: their faces coincide with cell edges up to rounding."""
     for share in (0.5, 1 / 3, 1.0, 2.0, 1 - 2**-53, 1 + 2**-52):
         broad = Grid(np.full((10, 3), 0.4))
         _, edges = broad.occupied_cells(np.zeros((1, 3)), np.full((1, 3), 0.8))
@@ -161,17 +161,17 @@ def test_points_plates_and_rods() -> None:
     assert check(center - half, center + half) > 1000
 
 
-def test_bodies_that_leave_what_they_were_at_the_start_and_come_back() -> None:
+def test_bodies_that_leave_their_initial_region_and_return() -> None:
     low, high = random_boxes(9, 300, (0.1, 1.0))
     half, middle = high / 2 - low / 2, low / 2 + high / 2
     broad = Grid(half)
     rng = np.random.default_rng(9)
-    for way in (0.0, 1.0, 1e3, 1e7, 1e14, 1.0, 0.0):
-        moved = middle + rng.normal(size=middle.shape) * way
-        assert check(moved - half, moved + half, broad=broad) > (100 if way == 0 else -1)
+    for distance in (0.0, 1.0, 1e3, 1e7, 1e14, 1.0, 0.0):
+        moved = middle + rng.normal(size=middle.shape) * distance
+        assert check(moved - half, moved + half, broad=broad) > (100 if distance == 0 else -1)
 
 
-def test_bodies_that_outgrow_their_sectors_and_shrink() -> None:
+def test_bodies_that_outgrow_their_cells_and_shrink() -> None:
     low, high = random_boxes(10, 300, (0.1, 1.0), crowd=10.0)
     broad = Grid(high / 2 - low / 2)
     rng = np.random.default_rng(10)
@@ -180,7 +180,7 @@ def test_bodies_that_outgrow_their_sectors_and_shrink() -> None:
         check(low - reach, high + reach, broad=broad)
 
 
-def test_sectors_follow_when_a_wild_start_calms_down(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cell_sizes_adapt_when_the_bounds_shrink(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(12)
     center = rng.uniform(-10, 10, (2000, 3))
     broad, tests = Grid(np.full((2000, 3), 1e6)), []
@@ -209,8 +209,8 @@ def test_static_bodies_are_binned_once_and_again_when_one_moved(monkeypatch: pyt
     assert len(filled) == 3
 
 
-def test_a_full_buffer_cuts_nothing_short() -> None:
-    """One small box at the start, then up to 250 that all share a point: each count of pairs fills a buffer once."""
+def test_a_full_buffer_loses_no_pair() -> None:
+    """One small box, then up to 250 boxes that all share a point: each number of pairs fills a buffer once."""
     broad = Grid(np.full((1, 3), 0.5))
     for count in range(1, 250):
         low = np.random.default_rng(count).uniform(-1, 0, (count, 3))
@@ -224,7 +224,7 @@ def coordinate(scale: float) -> st.SearchStrategy[float]:
 @given(st.lists(st.tuples(st.lists(coordinate(9), min_size=6, max_size=6), st.booleans()), max_size=30),
        st.sampled_from([0.0, 1 / 3, 1e6, -1e15]), st.sampled_from([1.0, 1e-3, 1e3, 1e-300]))
 @settings(max_examples=300, deadline=None)
-def test_whatever_boxes(boxes: list[tuple[list[float], bool]], offset: float, scale: float) -> None:
+def test_arbitrary_boxes(boxes: list[tuple[list[float], bool]], offset: float, scale: float) -> None:
     ends = (np.array([ends for ends, _ in boxes]).reshape(-1, 2, 3) + offset) * scale
     check(ends.min(axis=1), ends.max(axis=1), np.array([movable for _, movable in boxes], bool))
 
@@ -235,7 +235,7 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
 @given(st.lists(st.tuples(st.lists(st.one_of(finite, st.sampled_from([0.0, 1.0, -1.0])), min_size=6, max_size=6),
                           st.booleans()), max_size=20))
 @settings(max_examples=300, deadline=None)
-def test_whatever_numbers(boxes: list[tuple[list[float], bool]]) -> None:
+def test_arbitrary_numbers(boxes: list[tuple[list[float], bool]]) -> None:
     ends = np.array([ends for ends, _ in boxes]).reshape(-1, 2, 3)
     check(ends.min(axis=1), ends.max(axis=1), np.array([movable for _, movable in boxes], bool))
 
@@ -243,8 +243,8 @@ def test_whatever_numbers(boxes: list[tuple[list[float], bool]]) -> None:
 @given(st.lists(st.lists(st.tuples(coordinate(50), st.floats(1e-3, 30)), min_size=12, max_size=12), min_size=1,
                 max_size=6), st.integers(0, 2**12 - 1))
 @settings(max_examples=100, deadline=None)
-def test_whatever_way(steps: list[list[tuple[float, float]]], movable: int) -> None:
-    """One grid sees twelve boxes move and change size, some of which it took for static."""
+def test_arbitrary_motion(steps: list[list[tuple[float, float]]], movable: int) -> None:
+    """One grid sees twelve boxes move and change size, some of them static."""
     broad = Grid(np.ones((12, 3)))
     mask = np.array([movable >> i & 1 for i in range(12)], bool)
     for before, step in pairwise([steps[0], *steps]):

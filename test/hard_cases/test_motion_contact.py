@@ -1,4 +1,4 @@
-"""Motion with contact: nothing sinks, creeps, jitters or gains energy. Cases: reference/motion/cases.py"""
+"""Motion with contact: no sinking, creep, jitter or gain of energy. Cases: reference/motion/cases.py"""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ def test_a_stack_of_ten_boxes_stands_for_a_minute(setting: Setting, hold: Hold) 
 
 
 @pytest.mark.parametrize("setting", CASES["mass_ratio"].settings, ids=str)
-def test_a_ton_stands_on_a_kilogram(setting: Setting, hold: Hold) -> None:
+def test_a_heavy_box_stands_on_a_light_one(setting: Setting, hold: Hold) -> None:
     hold("mass_ratio", setting)
 
 
@@ -26,17 +26,17 @@ def test_ten_bounces_keep_the_energy(setting: Setting, hold: Hold) -> None:
 
 
 @pytest.mark.parametrize("setting", CASES["corner"].settings, ids=str)
-def test_a_command_does_not_beat_the_contact_in_a_corner(setting: Setting, hold: Hold) -> None:
+def test_a_command_cannot_push_a_drone_into_a_corner(setting: Setting, hold: Hold) -> None:
     hold("corner", setting)
 
 
 @pytest.mark.parametrize("setting", CASES["corner_quadrotor"].settings, ids=str)
-def test_the_thrust_of_a_quadrotor_does_not_beat_it_either(setting: Setting, hold: Hold) -> None:
+def test_the_thrust_of_a_quadrotor_cannot_push_it_into_a_corner(setting: Setting, hold: Hold) -> None:
     hold("corner_quadrotor", setting)
 
 
 @pytest.mark.parametrize("setting", CASES["inside"].settings, ids=str)
-def test_bodies_that_start_inside_each_other_part_slowly(setting: Setting, hold: Hold) -> None:
+def test_overlapping_bodies_separate_slowly(setting: Setting, hold: Hold) -> None:
     hold("inside", setting)
 
 
@@ -46,5 +46,5 @@ def test_just_below_the_friction_angle_a_crate_sticks(setting: Setting, hold: Ho
 
 
 @pytest.mark.parametrize("setting", CASES["slides"].settings, ids=str)
-def test_just_above_the_friction_angle_it_slides_as_coulomb_says(setting: Setting, hold: Hold) -> None:
+def test_just_above_the_friction_angle_it_slides_with_coulomb_friction(setting: Setting, hold: Hold) -> None:
     hold("slides", setting)

@@ -1,4 +1,4 @@
-"""Motion without contact: orders of convergence, a fast spin that keeps its energy. Cases: reference/motion/cases.py"""
+"""Motion without contact: orders of convergence, energy of a fast rotation. Cases: reference/motion/cases.py"""
 
 from collections.abc import Callable
 
@@ -15,12 +15,12 @@ Hold = Callable[..., None]
 
 
 @pytest.mark.parametrize("setting", CASES["tumble"].settings, ids=str)
-def test_a_tumbling_box_converges_in_the_order_of_its_integrator(setting: Setting, hold: Hold) -> None:
+def test_a_tumbling_box_converges_with_the_order_of_the_integrator(setting: Setting, hold: Hold) -> None:
     hold("tumble", setting)
 
 
 @pytest.mark.parametrize("setting", CASES["spin"].settings, ids=str)
-def test_a_fast_spin_about_the_intermediate_axis_keeps_energy_and_momentum(setting: Setting, hold: Hold) -> None:
+def test_a_fast_rotation_about_the_intermediate_axis_keeps_energy_and_momentum(setting: Setting, hold: Hold) -> None:
     hold("spin", setting)
 
 
@@ -30,9 +30,9 @@ def test_the_closed_form_of_free_rotation_solves_eulers_equations(seed: int) -> 
     inertia, rate_b = rng.uniform(1.0, 2.0, 3), rng.normal(0.0, 2.0, 3)
 
     def derivative(_: float, y: Floats) -> Floats:
-        turn, w = y[:9].reshape(3, 3), y[9:]
+        rotation, w = y[:9].reshape(3, 3), y[9:]
         cross = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-        return np.concatenate([(turn @ cross).ravel(), np.cross(inertia * w, w) / inertia])
+        return np.concatenate([(rotation @ cross).ravel(), np.cross(inertia * w, w) / inertia])
 
     end = solve_ivp(derivative, (0.0, 5.0), [*np.eye(3).ravel(), *rate_b], "DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
     np.testing.assert_allclose(rates(inertia, rate_b, np.array(5.0)), end[9:], atol=1e-11)

@@ -1,4 +1,4 @@
-"""Commands of all kinds: what is not finite never reaches the state, the last valid one in a step wins."""
+"""Commands: non-finite values are rejected, extreme ones limited, and the last one in a step applies."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def fly(world: World, seconds: float, *commands: Command) -> None:
 
 @pytest.mark.parametrize("place", range(4))
 @pytest.mark.parametrize("bad", WORST)
-def test_what_is_not_finite_is_rejected_and_the_command_before_it_stands(bad: float, place: int) -> None:
+def test_a_non_finite_command_is_rejected_and_the_previous_one_stays(bad: float, place: int) -> None:
     world, undisturbed = drone(), drone()
     broken = tuple(bad if k == place else 1.0 for k in range(4))
     for _ in range(30):
@@ -40,7 +40,7 @@ def test_what_is_not_finite_is_rejected_and_the_command_before_it_stands(bad: fl
 
 @pytest.mark.parametrize("place", range(4))
 @pytest.mark.parametrize("extreme", EXTREME)
-def test_extreme_numbers_are_limited_to_what_the_drone_can_do(extreme: float, place: int) -> None:
+def test_extreme_commands_are_limited_to_the_limits_of_the_drone(extreme: float, place: int) -> None:
     world = drone()
     command = tuple(extreme if k == place else 0.0 for k in range(4))
     for _ in range(60):
@@ -52,7 +52,7 @@ def test_extreme_numbers_are_limited_to_what_the_drone_can_do(extreme: float, pl
         assert np.linalg.norm(state.angular_velocity_w[0]) < 6.0
 
 
-def test_of_many_commands_in_a_step_the_last_one_wins() -> None:
+def test_the_last_of_many_commands_in_a_step_applies() -> None:
     flooded, plain = drone(), drone()
     noise = [tuple(row) for row in np.random.default_rng(2).uniform(-5, 5, (32, 4))]  # at 1 kHz, by two publishers
     fly(flooded, 1.0, *noise, AHEAD)
@@ -60,15 +60,15 @@ def test_of_many_commands_in_a_step_the_last_one_wins() -> None:
     assert flooded.state.hash() == plain.state.hash()
 
 
-def test_after_half_a_second_of_silence_it_stops_and_holds_its_position() -> None:
+def test_without_commands_for_half_a_second_it_stops_and_holds_its_position() -> None:
     world = drone()
     fly(world, 2.0, AHEAD)
     fly(world, 0.45)
     assert world.state.velocity_w[0, 0] == pytest.approx(2.0, abs=0.1)
     fly(world, 5.0)
-    held = world.state.position_w[0].copy()
+    position = world.state.position_w[0].copy()
     fly(world, 60.0)
-    assert np.linalg.norm(world.state.position_w[0] - held) < 0.01
+    assert np.linalg.norm(world.state.position_w[0] - position) < 0.01
 
 
 def test_without_any_command_it_holds_where_it_started() -> None:

@@ -1,6 +1,6 @@
-"""Whole scenes: fast shots, long runs, runs that repeat, a clock that stalls. Cases: reference/motion/cases.py
+"""Whole scenes: fast shots, long runs, repeated runs, a stalled clock. Cases: reference/motion/cases.py
 
-The long counts, 10,000 shots and a million steps, are those of `make hard-cases`.
+`make hard-cases` has the large counts: 10,000 shots and a million steps.
 """
 
 import subprocess
@@ -50,5 +50,5 @@ def test_another_process_reaches_the_same_state(setting: Setting) -> None:
 
 
 @pytest.mark.parametrize("setting", CASES["stall"].settings, ids=str)
-def test_a_stalled_clock_neither_jumps_nor_explodes(setting: Setting, hold: Hold) -> None:
+def test_a_stalled_clock_causes_no_jump(setting: Setting, hold: Hold) -> None:
     hold("stall", setting)

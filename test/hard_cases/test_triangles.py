@@ -1,4 +1,4 @@
-"""Triangle against triangle: every answer is the one of rational arithmetic on the same float64 numbers."""
+"""Triangle against triangle: each answer is that of exact arithmetic on the same float64 numbers."""
 
 import itertools
 import zlib
@@ -13,7 +13,7 @@ from drone_engine.collision.triangle import intersection as triangle
 from reference import triangle_oracle
 from reference.triangle_families import FAMILIES
 
-SAMPLE = 2000  # pairs of each family; a quarter of them where the oracle's numbers have a thousand bits
+SAMPLE = 2000  # pairs per family; a quarter of that where the oracle's integers have a thousand bits
 
 Corners = list[list[float]]
 
@@ -27,7 +27,7 @@ def test_no_answer_differs_from_the_oracle(family: str) -> None:
     count = SAMPLE // 4 if family == "tiny_and_huge" else SAMPLE
     a, b = FAMILIES[family](np.random.default_rng(zlib.crc32(family.encode())), count)
     answers = expected(a, b)
-    assert 0.05 < np.mean(answers) < 0.95, "a family that always or never meets shows little"
+    assert 0.05 < np.mean(answers) < 0.95, "nearly all pairs of the family have the same answer"
     np.testing.assert_array_equal(triangle.intersects(a, b), answers)
 
 
@@ -46,7 +46,7 @@ def corners(number: st.SearchStrategy[float]) -> st.SearchStrategy[Corners]:
 
 @st.composite
 def nudges(draw: st.DrawFn) -> Corners:
-    """Corners on a small grid, some of them an ulp off, around the origin or far from it."""
+    """Corners on a small grid, some of them an ulp off, near the origin or far from it."""
     grid = draw(corners(st.integers(-2, 2).map(float)))
     offset = draw(st.sampled_from([0.0, 1e6, 1 / 3]))
     steps = draw(st.lists(st.integers(-1, 1), min_size=18, max_size=18))
