@@ -279,8 +279,11 @@ class World:
         return model.object_poses(self.model.bodies, self.state.position_w, self.state.orientation_w)
 
     def pose(self, name: str) -> Floats:
-        """Pose (7,) of an object that is a body."""
-        pose: Floats = self.object_poses()[self.model.bodies.names.index(name)]
+        """Pose (7,) in the world of an object that is a body: x y z qx qy qz qw. Raises ValueError for another name."""
+        names = self.model.bodies.names
+        if name not in names:
+            raise ValueError(f"no body is called '{name}'; there are {', '.join(names) or 'none'}")
+        pose: Floats = self.object_poses()[names.index(name)]
         return pose
 
 

@@ -161,7 +161,7 @@ def test_commands_that_cannot_be_are_refused(scene: Load, bad: object) -> None:
 def test_fleets_that_cannot_be_are_refused(scene: Load) -> None:
     with pytest.raises(ValueError, match="copies: expected at least 1, got 0"):
         Fleet(scene(DRONE), 0)
-    with pytest.raises(ValueError, match="seeds: expected 2 whole numbers from 0 on"):
+    with pytest.raises(ValueError, match="seeds: expected 2 integers of at least 0"):
         Fleet(scene(DRONE), 2, seeds=[1])
     with pytest.raises(ValueError, match="no drone is called 'dron'; there are drone"):
         Fleet(scene(DRONE), 2, drone="dron")
