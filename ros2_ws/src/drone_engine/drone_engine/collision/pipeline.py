@@ -37,6 +37,8 @@ from drone_engine.program.program import Program
 from drone_engine.program.stage import Stage
 
 REGRID, REBIN, MORE_MANIFOLDS = 10, 11, 12  # return codes of the broad phase, besides those of the grid
+STATIC_GRID = ("grid_tables.levels", "grid_tables.static_top", "grid_tables.static_start",
+               "grid_tables.static_entry")  # replaced when other bodies are awake than before
 CONTACTS = tuple(f"contacts.{name}" for name in (  # that a stage in Python appends
     "end", "pair", "level", "points", "normal", "point", "anchor", "separation", "feature"))
 Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, plane height, level, all?, margin
@@ -200,7 +202,7 @@ class Detection:
         own = scope.child(self, "binned", "movers", "grid_tables", "box_scratch")
         self.keep = Stage("keep", keep, scope)
         self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase,
-                                 writes=("binned", "sleeping"))
+                                 writes=("binned", "sleeping", *STATIC_GRID))
         self.primitives = Stage("contacts", primitive_contacts, own, handle=self._more_manifolds)
         self._ground_contacts = Stage("ground contacts", stand, own.child(self, "ground"), handle=self._more_room)
         self._mesh_contacts = Stage("mesh contacts", any_fine, scope, handle=self._find_fine, writes=CONTACTS)

@@ -45,7 +45,7 @@ def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_con
                       found):
     """Appends the manifolds of those of the first `count` pairs that are two boxes at level OBB after the first `found`
     rows; returns how many rows there are then. boxes: Boxes; scratch: BoxScratch. Handles BLOCK pairs at a time."""
-    table, cut, box_a, box_b, row = scratch
+    table, cut, box_a, box_b, row = scratch.table, scratch.cut, scratch.box_a, scratch.box_b, scratch.row
     pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
     separation, feature, contact_level = contacts.separation, contacts.feature, contacts.level
     k = 0
