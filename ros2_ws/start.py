@@ -1,6 +1,6 @@
 """Starts every node of the drone simulator, one process each, and ends them together.
 
-Exit status: 0 after a clean run, 1 if a node died, 2 if an option is refused.
+Exit status: 0 after a clean run, 1 if a node failed, 2 for an invalid option.
 """
 
 import argparse
@@ -20,12 +20,12 @@ from supervisor import Program, Supervisor
 from drone_sim.node import DDS_PROFILE
 
 DDS_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"  # set by the user: all nodes use that profile
-FILM_PATIENCE = 600.0  # s; a film drops no picture, and drawing may be slower than the simulation was
+FILM_PATIENCE = 600.0  # s; a film has every frame, and drawing may be slower than the simulation
 
 
 def programs(options: argparse.Namespace) -> list[Program]:
-    """The nodes that the options ask for; the simulation first, because all the others wait for it."""
-    package = importlib.util.find_spec("drone_render")  # found, not imported: that would take time
+    """The nodes to start; the simulation comes first, because the others wait for it."""
+    package = importlib.util.find_spec("drone_render")  # not imported, which would take time
     dds_profile = Path(package.origin if package and package.origin else "").with_name("fastdds.xml")
 
     def node(name: str, module: str, environment: dict[str, str] | None = None, terminal: bool = False,
@@ -33,7 +33,7 @@ def programs(options: argparse.Namespace) -> list[Program]:
         command = [sys.executable, "-m", module, "--ros-args", "--disable-external-lib-logs"]
         if options.verbose:
             command += ["--log-level", f"{name}:=debug"]
-        if options.namespace:  # rclpy listens to the absolute /clock, whatever the namespace
+        if options.namespace:  # rclpy subscribes to the absolute /clock in any namespace
             command += ["-r", f"__ns:=/{options.namespace.strip('/')}", "-r", "/clock:=clock"]
         for key, value in ({"use_sim_time": name != "drone_sim"} | parameters).items():
             if value is not None:
@@ -42,12 +42,12 @@ def programs(options: argparse.Namespace) -> list[Program]:
         niceness = 0 if leads or terminal else 5
         return Program(name, command, environment or {}, terminal, leads, niceness, patience)
 
-    # A film and a bag begin with the first step: the simulation waits until these two listen to tf.
+    # A film and a bag begin with the first step: the simulation waits until both nodes subscribe to tf.
     records_tf = options.record and (not options.record_topics or {"tf", "/tf"} & set(options.record_topics))
     nodes = [node("drone_sim", "drone_sim.sim_node", scene=options.scene, rtf=options.rtf, duration=options.duration,
                   listeners=bool(options.film) + bool(records_tf))]
     if not options.no_render:
-        # Its stamps are those of the states that it draws; a clock would wake it at every step once more.
+        # It takes its stamps from the states that it draws; a clock would wake it once more per step.
         nodes.append(node("drone_render", "drone_render.render_node", film=options.film, camera=options.camera,
                           use_sim_time=None,
                           patience=FILM_PATIENCE if options.film else 0.0,
@@ -63,25 +63,25 @@ def programs(options: argparse.Namespace) -> list[Program]:
 
 
 def set_environment(options: argparse.Namespace) -> None:
-    """What all nodes share; what the person has set already stays."""
+    """Sets the environment of all nodes; variables that the user has set are kept."""
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
     os.environ.setdefault(DDS_VARIABLE, str(DDS_PROFILE))
     os.environ["PYTHONUNBUFFERED"] = "1"
-    for library in ("OPENBLAS", "OMP", "NUMBA"):  # a thread pool for each core in each node only costs start-up
+    for library in ("OPENBLAS", "OMP", "NUMBA"):  # a thread pool in each node only slows the start
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if options.domain is not None:
         os.environ["ROS_DOMAIN_ID"] = str(options.domain)
 
 
 def recover(bag: Path) -> str:
-    """Closes the bag that a dead recorder left behind; says what is saved."""
+    """Completes the bag of a recorder that failed; returns the result in one line."""
     command = [sys.executable, "-m", "drone_sim.bag", "recover", str(bag)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     return (result.stdout.strip() or result.stderr.strip()).rpartition("\n")[2]
 
 
 def main() -> int:
-    """Runs until the duration is over, the person quits, or Ctrl-C."""
+    """Runs until the end of the duration, until the user quits, or Ctrl-C; returns the exit status."""
     try:
         options = parse()
     except KeyboardInterrupt:  # before anything has started
@@ -89,21 +89,22 @@ def main() -> int:
     nodes = programs(options)
     set_environment(options)
     if not options.no_teleop and not sys.stdin.isatty():
-        print("no teleop: the standard input is not a terminal")
+        print("no keyboard teleoperation: the standard input is not a terminal")
 
     start = time.monotonic()
     terminal = termios.tcgetattr(sys.stdin) if sys.stdin.isatty() else None
     supervisor = Supervisor(nodes, options.log_dir, options.verbose)
     supervisor.run(alone_for=options.duration / (options.rtf or 1.0))
-    if terminal:  # whatever became of the program that changed it
+    if terminal:  # a node that was killed may have left it changed
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, terminal)
 
-    saved = recover(options.record) if "drone_recorder" in supervisor.died else ""
-    deaths = f"; died: {', '.join(supervisor.died)}" if supervisor.died else ""
-    print(f"ran for {time.monotonic() - start:.1f} s{deaths}")
-    kept = {"log": options.log_dir, "bag": options.record, "film": options.film}
-    print("  ".join(f"{what}: {path}" for what, path in kept.items() if path) + (f"  ({saved})" if saved else ""))
-    return 1 if supervisor.died else 0
+    recovered = recover(options.record) if "drone_recorder" in supervisor.failed else ""
+    failures = f"; failed: {', '.join(supervisor.failed)}" if supervisor.failed else ""
+    print(f"ran for {time.monotonic() - start:.1f} s{failures}")
+    outputs = {"log": options.log_dir, "bag": options.record, "film": options.film}
+    print("  ".join(f"{kind}: {path}" for kind, path in outputs.items() if path)
+          + (f"  ({recovered})" if recovered else ""))
+    return 1 if supervisor.failed else 0
 
 
 if __name__ == "__main__":

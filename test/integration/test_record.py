@@ -1,4 +1,4 @@
-"""A whole run through start.py: what was heard live is what the bag holds, byte for byte."""
+"""A run of start.py with a recorder: the bag holds the published messages, byte for byte."""
 
 import os
 import signal
@@ -57,7 +57,7 @@ def test_the_bag_of_a_killed_recorder_is_completed(graph: Graph, spawn: Spawn, t
     heard = graph.listen(PoseStamped, "user_drone/pose", raw=True)
     graph.wait_for(lambda: len(heard) >= 150, "150 poses")
     os.kill(graph.wait_for(lambda: run.child("drone_sim.recorder_node"), "the recorder"), signal.SIGKILL)
-    graph.wait_for(lambda: "drone_recorder was ended by SIGKILL" in run.output(), "the death to be reported")
+    graph.wait_for(lambda: "drone_recorder was killed by SIGKILL" in run.output(), "the death to be reported")
     assert run.interrupt() == 1
     assert "recovered" in run.output().splitlines()[-1]
     with AnyReader([tmp_path / "bag"]) as reader:

@@ -1,4 +1,4 @@
-"""start.py as people start it: runs that end by themselves, by Ctrl-C and badly, and options that are refused."""
+"""start.py: runs that end by themselves, by Ctrl-C or with a failed node, and invalid options."""
 
 import os
 import signal
@@ -35,7 +35,7 @@ class Start:
 def test_the_island_flies_for_as_long_as_told(start: Start, tmp_path: Path) -> None:
     run = start("--duration", "3", "--film", str(tmp_path / "film.mp4"))
     assert run.wait(90) == 0
-    assert "died" not in run.output()
+    assert "failed" not in run.output()
     assert f"film: {tmp_path / 'film.mp4'}" in run.output().splitlines()[-1]
     assert (tmp_path / "film.mp4").stat().st_size > 10_000
     assert {path.stem for path in (tmp_path / "log").iterdir()} == {"drone_sim", "drone_render", "drone_ai"}
@@ -46,7 +46,7 @@ def test_ctrl_c_is_a_clean_end(start: Start, graph: Graph) -> None:
     heard = graph.listen(PoseStamped, "user_drone/pose")
     graph.wait_for(lambda: heard, "the first pose")
     assert run.interrupt() == 0
-    assert "died" not in run.output()
+    assert "failed" not in run.output()
     assert "killed" not in run.output()
 
 
@@ -55,11 +55,11 @@ def test_a_node_that_dies_is_named_and_the_others_go_on(start: Start, graph: Gra
     heard = graph.listen(PoseStamped, "user_drone/pose")
     graph.wait_for(lambda: heard, "the first pose")
     os.kill(graph.wait_for(lambda: run.child("drone_ai.ai_node"), "the AI's process"), signal.SIGKILL)
-    graph.wait_for(lambda: "drone_ai was ended by SIGKILL" in run.output(), "the death to be reported")
+    graph.wait_for(lambda: "drone_ai was killed by SIGKILL" in run.output(), "the death to be reported")
     before = len(heard)
     graph.wait_for(lambda: len(heard) > before + 30, "the simulation to go on")
     assert run.interrupt() == 1
-    assert "died: drone_ai" in run.output()
+    assert "failed: drone_ai" in run.output()
 
 
 def test_a_namespace_moves_the_whole_graph(start: Start, graph: Graph) -> None:
@@ -84,11 +84,11 @@ def test_a_namespace_moves_the_whole_graph(start: Start, graph: Graph) -> None:
         (["--record-topics", "tf"], "--record"),
         (["--film", "film.avi"], ".mp4 or .gif"),
         (["--film", "film.gif", "--no-render"], "--no-render"),
-        (["--duration", "-1"], "not a number of 0 or more"),
-        (["--rtf", "nan"], "not a number of 0 or more"),
+        (["--duration", "-1"], "expected a number of 0 or more"),
+        (["--rtf", "nan"], "expected a number of 0 or more"),
         (["--domain", "233"], "0 to 232"),
         (["--namespace", "a b"], "letters"),
-        (["--scene", str(MEADOW), "--camera", "nose"], "no camera 'nose'; there are chase, wide"),
+        (["--scene", str(MEADOW), "--camera", "nose"], "--camera: expected one of chase, wide, got 'nose'"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(options: list[str], said: str) -> None:

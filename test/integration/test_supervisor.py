@@ -1,4 +1,4 @@
-"""What start.py's supervisor does with programs that end, die, hang and talk; the programs are one-liners."""
+"""The supervisor of start.py with programs that end, fail, hang and print; the programs are one-liners."""
 
 import os
 import pty
@@ -24,7 +24,7 @@ def program(text):
                    patience=60.0 if kind == "patient" else 0.0)
 supervisor = Supervisor([program(text) for text in programs], pathlib.Path(log_dir))
 supervisor.run(float(alone_for))
-print("died:", sorted(supervisor.died))
+print("failed:", sorted(supervisor.failed))
 """
 WAITS = """
 import signal, time
@@ -84,7 +84,7 @@ def wait_for_output(process: NodeProcess, text: str) -> None:
 def test_leader_that_is_done_ends_the_others(supervise: Supervise, tmp_path: Path) -> None:
     process = supervise("sim|leads|import time; time.sleep(2)", f"other||{WAITS}")
     assert process.wait() == 0
-    assert "died: []" in process.output()
+    assert "failed: []" in process.output()
     assert "other | closing" in process.output()
     assert "[INFO] [1.5] [x]: up\n" in (tmp_path / "other.log").read_text()
 
@@ -93,7 +93,7 @@ def test_what_has_patience_finishes_its_work_when_the_leader_is_done(supervise: 
     process = supervise("sim|leads|import time; time.sleep(3)", f"film|patient|{FINISHES}", f"other||{WAITS}")
     assert process.wait() == 0
     assert "film  | finished" in process.output()  # although that takes longer than the rest may
-    assert "died: []" in process.output()
+    assert "failed: []" in process.output()
 
 
 def test_what_missed_the_first_signal_is_asked_again(supervise: Supervise) -> None:
@@ -101,7 +101,7 @@ def test_what_missed_the_first_signal_is_asked_again(supervise: Supervise) -> No
     wait_for_output(process, "other | up")
     assert process.interrupt() == 0
     assert "other | closing" in process.output()
-    assert "died: []" in process.output()
+    assert "failed: []" in process.output()
 
 
 def test_ctrl_c_has_no_patience(supervise: Supervise) -> None:
@@ -119,29 +119,29 @@ def test_a_signal_ends_all_once(supervise: Supervise, number: signal.Signals) ->
     process.send(number)
     assert process.wait() == 0
     assert process.output().count("closing") == 2
-    assert "died: []" in process.output()
+    assert "failed: []" in process.output()
 
 
 def test_death_is_named_with_its_last_lines_and_the_others_go_on(supervise: Supervise) -> None:
     killed = "import os; os.kill(os.getpid(), 9)"
     process = supervise(f"sim|leads|{WAITS}", "other||print('first'); 1 / 0", f"third||{killed}")
-    wait_for_output(process, "other died with exit status 1; its last lines:")
-    wait_for_output(process, "third was ended by SIGKILL; it had said nothing")
+    wait_for_output(process, "other failed with exit status 1; last lines:")
+    wait_for_output(process, "third was killed by SIGKILL; no output")
     wait_for_output(process, "sim   | up")
     last = r"other \|   first\nother \|   Traceback.*\nother \|   ZeroDivisionError"
     assert re.search(last, process.output(), re.DOTALL)
     process.send(signal.SIGINT)
     assert process.wait() == 0
     assert "sim   | closing" in process.output()
-    assert "died: ['other', 'third']" in process.output()
+    assert "failed: ['other', 'third']" in process.output()
 
 
 def test_without_its_leader_a_run_ends_when_the_time_is_over(supervise: Supervise) -> None:
     process = supervise("sim|leads|raise SystemExit(3)", f"other||{WAITS}", alone_for=1.0)
-    wait_for_output(process, "sim died with exit status 3")
+    wait_for_output(process, "sim failed with exit status 3")
     assert process.wait() == 0
     assert "other | closing" in process.output()
-    assert "died: ['sim']" in process.output()
+    assert "failed: ['sim']" in process.output()
 
 
 def test_what_does_not_end_is_killed(supervise: Supervise) -> None:
@@ -150,8 +150,8 @@ def test_what_does_not_end_is_killed(supervise: Supervise) -> None:
     wait_for_output(process, "sim  | up")
     process.send(signal.SIGINT)
     assert process.wait() == 0
-    assert "deaf did not end in time and is killed" in process.output()
-    assert "died: ['deaf']" in process.output()
+    assert "deaf did not end in time and was killed" in process.output()
+    assert "failed: ['deaf']" in process.output()
 
 
 def test_people_see_news_and_warnings_but_not_the_rest(supervise: Supervise, tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ def test_people_see_news_and_warnings_but_not_the_rest(supervise: Supervise, tmp
     )
     process = supervise(f"sim|leads|{talk}")
     assert process.wait() == 0
-    assert process.output() == "sim | news\nsim | WARN: careful\nsim | second line\nsim | more\ndied: []\n"
+    assert process.output() == "sim | news\nsim | WARN: careful\nsim | second line\nsim | more\nfailed: []\n"
     assert (tmp_path / "sim.log").read_text().split("\n")[0] == "noise"
 
 
@@ -191,7 +191,7 @@ def test_ctrl_c_in_a_terminal_reaches_every_program_once(tmp_path: Path) -> None
         output += data
     assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
     assert b"sim   | interrupted 1 times" in output
-    assert b"died: []" in output
+    assert b"failed: []" in output
 
 
 def _read_terminal(terminal: int) -> bytes:

@@ -1,1 +1,1 @@
-"""The pilot of the second drone: flies a patrol and lands while told to."""
+"""The AI pilot: flies a patrol, and lands while it is held."""

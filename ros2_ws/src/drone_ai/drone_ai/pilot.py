@@ -1,6 +1,7 @@
-"""A pilot that flies a patrol, and comes down and stays down while it is held. Knows no ROS.
+"""A pilot that flies a patrol, and lands and stays on the ground while it is held. Independent of ROS.
 
-World frame ENU, m and s; commands are in the body frame, x forward, y left, z up, turned by the yaw alone.
+Positions are in the world frame (ENU), m and s. Commands are in the body frame without its tilt: x forward, y left,
+z up.
 """
 
 import math
@@ -10,28 +11,28 @@ from typing import NamedTuple
 
 Point = tuple[float, float, float]
 
-ARRIVED = 0.3  # m from a waypoint at which it counts as reached
-GAIN = 1.2  # 1/s; speed per distance that is left, so that the drone arrives slowly
-TURN_GAIN = 2.0  # 1/s; yaw rate per angle that is left
-NEAR = 1.0  # m, horizontally; from here on the heading stays, and a detour over an obstacle comes down
+ARRIVED = 0.3  # m from a waypoint within which it counts as reached
+GAIN = 1.2  # 1/s; speed per remaining distance, so that the drone slows down as it arrives
+YAW_GAIN = 2.0  # 1/s; yaw rate per heading error
+NEAR = 1.0  # m, horizontal distance to the waypoint below which the heading is kept and a detour descends
 
 DESCENT = 1.0  # m/s
-TOUCHDOWN = 0.4  # m/s, on the last metre
-AT_REST = 0.05  # m/s; slower than this, vertically, is no motion
+TOUCHDOWN = 0.4  # m/s, near the ground
+AT_REST = 0.05  # m/s; vertical speed below which the drone counts as resting
 REST_TIME = 0.3  # s at rest after which the drone has landed
-SLIPPED = 0.3  # m/s; a landed drone that moves vertically like this has lost its ground
+SLIPPED = 0.3  # m/s; vertical speed at which a landed drone has lost its support
 
-PATIENCE = 3.0  # s without progress after which something is in the way
-PROGRESS = 0.1  # m closer is progress
-STEP_OVER = 1.0  # m that the drone then climbs
-TRIES = 3  # such climbs before the next waypoint
-TOO_LOW = 0.3  # m below the least height at which the drone climbs before anything else
+PATIENCE = 3.0  # s without progress after which the drone counts as blocked
+PROGRESS = 0.1  # m; getting closer by this much is progress
+STEP_OVER = 1.0  # m that a blocked drone climbs
+TRIES = 3  # climbs before the waypoint is skipped
+TOO_LOW = 0.3  # m below the minimum height at which the drone climbs first
 
-FARTHEST = 1e6  # m or m/s; beyond this an observation is broken
+LARGEST = 1e6  # m or m/s; an observation with larger values is invalid
 
 
 class State(Enum):
-    """What the pilot is doing."""
+    """The state of a pilot; the values are shown in diagnostics."""
 
     CLIMBING = "climbing"
     PATROL = "on patrol"
@@ -40,21 +41,21 @@ class State(Enum):
 
 
 class Observation(NamedTuple):
-    """What is known of the drone at a time."""
+    """The state of the drone at a time."""
 
     time: float  # s
     position_w: Point
     yaw: float  # rad
     climb_rate: float  # m/s, along world z
 
-    def is_sane(self) -> bool:
-        """Whether all of it is finite and of this world."""
+    def is_valid(self) -> bool:
+        """Whether all values are finite and at most LARGEST."""
         x, y, z = self.position_w
-        return math.isfinite(self.time) and all(abs(v) < FARTHEST for v in (x, y, z, self.yaw, self.climb_rate))
+        return math.isfinite(self.time) and all(abs(v) < LARGEST for v in (x, y, z, self.yaw, self.climb_rate))
 
 
 class Command(NamedTuple):
-    """What the drone is to do: m/s in the body frame and rad/s."""
+    """A velocity in the body frame, m/s, and a yaw rate, rad/s."""
 
     velocity_b: Point
     yaw_rate: float
@@ -64,9 +65,10 @@ STAY = Command((0.0, 0.0, 0.0), 0.0)
 
 
 class Pilot:
-    """Flies one drone from waypoint to waypoint, again and again, at `speed` m/s at most.
+    """Flies one drone from waypoint to waypoint in a loop.
 
-    No waypoint is flown lower than `min_height` m above the floor, which is z = 0.
+    waypoints: world frame, m; they are raised to at least `min_height`, m above z = 0. speed: at most, m/s.
+    max_yaw_rate: rad/s.
     """
 
     def __init__(
@@ -80,60 +82,60 @@ class Pilot:
         self.restart()
 
     def restart(self) -> None:
-        """Back to the first waypoint."""
+        """Starts again at the first waypoint."""
         self.waypoint = 0
-        self._detour = -math.inf  # m, height kept on this leg because something was in the way
+        self._detour = -math.inf  # m, minimum height on this leg to pass an obstacle
         self._tries = 0
         self._enter(State.CLIMBING)
 
-    def fly(self, seen: Observation, held: bool) -> Command | None:
-        """One look at the drone into one command; None if the observation is broken.
+    def fly(self, observed: Observation, held: bool) -> Command | None:
+        """Returns the command for an observation; None if the observation is invalid. held: whether to land.
 
-        Time that goes back means that the simulation was started over, and so does the patrol.
+        If time goes back, the simulation was reset, and the patrol starts again.
         """
-        if not seen.is_sane():
+        if not observed.is_valid():
             return None
-        if seen.time < self._time:
+        if observed.time < self._time:
             self.restart()
-        self._time = seen.time
+        self._time = observed.time
         if held and self.state in (State.PATROL, State.CLIMBING):
             self._enter(State.DESCENDING)
         elif not held and self.state in (State.DESCENDING, State.LANDED):
             self._enter(State.CLIMBING)
         match self.state:
             case State.CLIMBING:
-                return self._climb(seen)
+                return self._climb(observed)
             case State.PATROL:
-                return self._patrol(seen)
+                return self._patrol(observed)
             case State.DESCENDING:
-                return self._descend(seen)
+                return self._descend(observed)
             case State.LANDED:
-                return self._rest(seen)
+                return self._rest(observed)
 
     def _enter(self, state: State) -> None:
         self.state = state
-        self._closest = math.inf  # m, the least that was left to go
-        self._since: float | None = None  # s, when that was, or since when the drone is at rest
+        self._closest = math.inf  # m, the smallest remaining distance so far
+        self._since: float | None = None  # s, when that was reached, or when the drone came to rest
 
-    def _climb(self, seen: Observation) -> Command:
-        """Straight up to the height of the next leg."""
-        left = max(self._waypoints[self.waypoint][2], self._detour) - seen.position_w[2]
-        if left < ARRIVED or self._is_stuck(seen.time, left):
+    def _climb(self, observed: Observation) -> Command:
+        """Climbs straight up to the height of the next leg."""
+        left = max(self._waypoints[self.waypoint][2], self._detour) - observed.position_w[2]
+        if left < ARRIVED or self._is_stuck(observed.time, left):
             self._enter(State.PATROL)
             return STAY
         return Command((0.0, 0.0, min(GAIN * left, self._speed)), 0.0)
 
-    def _patrol(self, seen: Observation) -> Command:
-        """Towards the waypoint; over what is in the way, and on to the next waypoint if that does not help."""
-        x, y, z = seen.position_w
+    def _patrol(self, observed: Observation) -> Command:
+        """Flies toward the waypoint, climbs over an obstacle, and skips the waypoint if that does not help."""
+        x, y, z = observed.position_w
         goal = self._waypoints[self.waypoint]
-        if math.dist(seen.position_w, goal) < ARRIVED:
+        if math.dist(observed.position_w, goal) < ARRIVED:
             self._next_waypoint()
             goal = self._waypoints[self.waypoint]
         if z < self._min_height - TOO_LOW:
             self._enter(State.CLIMBING)
             return STAY
-        if self._is_stuck(seen.time, math.dist(seen.position_w, goal)):
+        if self._is_stuck(observed.time, math.dist(observed.position_w, goal)):
             self._step_over(z)
             return STAY
         dx, dy = goal[0] - x, goal[1] - y
@@ -142,22 +144,22 @@ class Pilot:
         distance = math.hypot(across, dz)
         pace = min(GAIN, self._speed / max(distance, ARRIVED))
         return Command(
-            _to_body((pace * dx, pace * dy, pace * dz), seen.yaw),
-            self._turn_to(math.atan2(dy, dx), seen.yaw) if across > NEAR else 0.0,
+            _to_body((pace * dx, pace * dy, pace * dz), observed.yaw),
+            self._yaw_rate_to(math.atan2(dy, dx), observed.yaw) if across > NEAR else 0.0,
         )
 
-    def _descend(self, seen: Observation) -> Command:
-        """Straight down until something carries the drone."""
-        if abs(seen.climb_rate) > AT_REST or self._since is None:
-            self._since = seen.time
-        if seen.time - self._since >= REST_TIME:
+    def _descend(self, observed: Observation) -> Command:
+        """Descends straight down until the drone rests on something."""
+        if abs(observed.climb_rate) > AT_REST or self._since is None:
+            self._since = observed.time
+        if observed.time - self._since >= REST_TIME:
             self._enter(State.LANDED)
             return STAY
-        return Command((0.0, 0.0, -min(max(seen.position_w[2], TOUCHDOWN), DESCENT)), 0.0)
+        return Command((0.0, 0.0, -min(max(observed.position_w[2], TOUCHDOWN), DESCENT)), 0.0)
 
-    def _rest(self, seen: Observation) -> Command:
-        """Nothing, unless the ground has given way."""
-        if abs(seen.climb_rate) > SLIPPED:
+    def _rest(self, observed: Observation) -> Command:
+        """Stays on the ground; descends again if the support is gone."""
+        if abs(observed.climb_rate) > SLIPPED:
             self._enter(State.DESCENDING)
         return STAY
 
@@ -176,17 +178,19 @@ class Pilot:
             self._enter(State.CLIMBING)
 
     def _is_stuck(self, time: float, left: float) -> bool:
-        """Whether the drone has not come closer for so long that something must be in the way."""
+        """Whether the remaining distance `left`, m, has not decreased for PATIENCE."""
         if self._since is None or left < self._closest - PROGRESS:
             self._closest, self._since = left, time
         return time - self._since > PATIENCE
 
-    def _turn_to(self, heading: float, yaw: float) -> float:
+    def _yaw_rate_to(self, heading: float, yaw: float) -> float:
+        """Yaw rate, rad/s, toward a heading, rad."""
         angle = math.remainder(heading - yaw, math.tau)
-        return min(max(TURN_GAIN * angle, -self._max_yaw_rate), self._max_yaw_rate)
+        return min(max(YAW_GAIN * angle, -self._max_yaw_rate), self._max_yaw_rate)
 
 
 def _to_body(velocity_w: Point, yaw: float) -> Point:
+    """Rotates a velocity from the world frame into the body frame without its tilt."""
     x, y, z = velocity_w
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * x + sin * y, cos * y - sin * x, z

@@ -1,4 +1,4 @@
-"""The pilot in a small world: a point with limited acceleration, a floor, and things in the way."""
+"""The pilot in a small world: a point mass with limited acceleration, a floor and obstacles."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -7,35 +7,35 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drone_ai.pilot import ARRIVED, FARTHEST, PATIENCE, TRIES, Observation, Pilot, Point, State
+from drone_ai.pilot import ARRIVED, LARGEST, PATIENCE, TRIES, Observation, Pilot, Point, State
 
 STEP = 1.0 / 30.0
 ACCELERATION = 8.0
 SQUARE: list[Point] = [(8.0, 0.0, 4.0), (8.0, 6.0, 2.0), (0.0, 6.0, 6.0), (0.0, 0.0, 3.0)]
 
-Way = Callable[[Point, Point], Point]  # where one comes out who wants from one point to another
+Obstacle = Callable[[Point, Point], Point]  # old and wanted position to the position that can be reached
 
 
 def open_air(_: Point, wanted: Point) -> Point:
     return wanted
 
 
-def wall(x: float, top: float) -> Way:
-    """Something endless that nobody can pass below its top."""
+def wall(x: float, top: float) -> Obstacle:
+    """An infinitely long wall at x, m, that cannot be passed below its top, m."""
 
-    def way(old: Point, new: Point) -> Point:
+    def blocked(old: Point, new: Point) -> Point:
         return (old[0], *new[1:]) if (old[0] - x) * (new[0] - x) < 0.0 and new[2] < top else new
 
-    return way
+    return blocked
 
 
 class World:
     """A drone that follows commands as well as its acceleration allows; z = 0 is the floor."""
 
-    def __init__(self, pilot: Pilot, position: Point = (0.0, 0.0, 0.0), way: Way = open_air) -> None:
+    def __init__(self, pilot: Pilot, position: Point = (0.0, 0.0, 0.0), obstacle: Obstacle = open_air) -> None:
         self.pilot = pilot
         self.position = position
-        self.way = way
+        self.obstacle = obstacle
         self.velocity: Point = (0.0, 0.0, 0.0)
         self.yaw = self.time = 0.0
         self.held = False
@@ -50,7 +50,7 @@ class World:
         most = ACCELERATION * STEP
         vx, vy, vz = (v + min(max(c - v, -most), most) for v, c in zip(self.velocity, self.command, strict=True))
         px, py, pz = self.position
-        new = self.way(self.position, (px + vx * STEP, py + vy * STEP, max(pz + vz * STEP, 0.0)))
+        new = self.obstacle(self.position, (px + vx * STEP, py + vy * STEP, max(pz + vz * STEP, 0.0)))
         self.velocity = ((new[0] - px) / STEP, (new[1] - py) / STEP, (new[2] - pz) / STEP)
         self.position = new
         self.yaw += command.yaw_rate * STEP
@@ -153,13 +153,13 @@ def test_ground_that_gives_way_makes_it_come_down_again() -> None:
 
 
 def test_it_flies_over_a_wall() -> None:
-    world = World(Pilot([(10.0, 0.0, 2.0), (0.0, 0.0, 2.0)]), way=wall(5.0, 4.5))
+    world = World(Pilot([(10.0, 0.0, 2.0), (0.0, 0.0, 2.0)]), obstacle=wall(5.0, 4.5))
     world.run_until(lambda: world.pilot.waypoint == 1)
     assert math.dist(world.position, (10.0, 0.0, 2.0)) < 0.4
 
 
 def test_it_gives_up_a_waypoint_that_it_cannot_reach() -> None:
-    world = World(Pilot([(10.0, 0.0, 2.0), (0.0, 5.0, 2.0)]), way=wall(5.0, 100.0))
+    world = World(Pilot([(10.0, 0.0, 2.0), (0.0, 5.0, 2.0)]), obstacle=wall(5.0, 100.0))
     world.run_until(lambda: world.pilot.waypoint == 1)
     assert world.time > (TRIES + 1) * PATIENCE
     assert 2.0 + TRIES - 0.5 < world.position[2] < 2.0 + TRIES + 0.5
@@ -175,7 +175,7 @@ def test_time_that_goes_back_starts_the_patrol_over() -> None:
     assert world.pilot.waypoint == 0
 
 
-numbers = st.floats(-FARTHEST, FARTHEST, exclude_min=True, exclude_max=True)
+numbers = st.floats(-LARGEST, LARGEST, exclude_min=True, exclude_max=True)
 points = st.tuples(numbers, numbers, numbers)
 observations = st.builds(Observation, st.floats(0.0, 1e9), points, numbers, numbers)
 
@@ -196,7 +196,7 @@ def test_commands_are_finite_and_within_the_speeds(
         assert abs(command.yaw_rate) <= 0.7
 
 
-@pytest.mark.parametrize("broken", [math.nan, math.inf, -math.inf, 2 * FARTHEST])
+@pytest.mark.parametrize("broken", [math.nan, math.inf, -math.inf, 2 * LARGEST])
 @pytest.mark.parametrize("field", ["x", "y", "z", "yaw", "climb_rate"])
 def test_a_broken_observation_is_ignored(broken: float, field: str) -> None:
     world = World(Pilot(SQUARE))
