@@ -55,8 +55,9 @@ def _step(position: Floats, q: Floats, plate: Floats, plate_q: Floats, velocity:
     n = len(position)
     zero, pairs = np.zeros((n, 3)), np.column_stack([np.arange(n), np.arange(n, 2 * n)])
     half = np.repeat([CUBE, PLATE], n, axis=0)
-    impacts = sweep.times(pairs, np.vstack([position, plate]), np.vstack([q, plate_q]), np.vstack([velocity, zero]),
-                          np.vstack([angular_velocity, zero]), half, DT, level, FOREST, np.repeat(ROOTS, n))
+    impacts = sweep.times_of_impact(pairs, np.vstack([position, plate]), np.vstack([q, plate_q]),
+                                    np.vstack([velocity, zero]), np.vstack([angular_velocity, zero]), half, DT,
+                                    level, FOREST, np.repeat(ROOTS, n))
     return impacts.outcome == IMPACT, impacts.time
 
 

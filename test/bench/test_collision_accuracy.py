@@ -11,7 +11,7 @@ from bench.accuracy.collision.flights import Encounter
 from bench.accuracy.collision.mesh_distance import surface_distance
 from drone_engine.assets import asset_path
 from drone_engine.collision.mesh import octree
-from drone_engine.collision.triangle.closest import closest
+from drone_engine.collision.triangle.closest import closest_points
 
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
@@ -54,7 +54,7 @@ def test_distances_of_many_triangles() -> None:
         a, b = (octree.build(np.repeat(random.uniform(-1, 1, (40, 3)), 3, axis=0) + random.normal(0, 0.02, (120, 3)),
                              np.arange(120).reshape(40, 3)) for _ in range(2))
         distance = np.array([1.2, 0.9, 1.5, 0, 0, 0, 1])
-        near = min(closest(tuple(s.ravel()), tuple(t.ravel() + np.tile(distance[:3], 3)))[0]
+        near = min(closest_points(tuple(s.ravel()), tuple(t.ravel() + np.tile(distance[:3], 3)))[0]
                    for s in a.corners for t in b.corners)
         assert surface_distance(a, HERE, b, distance) == pytest.approx(np.sqrt(near), abs=1e-12)
 

@@ -21,10 +21,10 @@ def deepest_contacts(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level
     """
     n = len(poses_a)
     if level == SPHERE:
-        hit, normal, _, separation = sphere.contacts(*a.balls(poses_a), *b.balls(poses_b))
+        hit, normal, _, separation = sphere.contacts(*a.bounding_spheres(poses_a), *b.bounding_spheres(poses_b))
         return np.where(hit, -separation, np.nan), normal
     if level == OBB:
-        found = obb.contacts(*a.boxes(poses_a), *b.boxes(poses_b))
+        found = obb.contacts(*a.bounding_boxes(poses_a), *b.bounding_boxes(poses_b))
         depth, normal = np.full(n, np.nan), np.zeros((n, 3))
         normal[found.number] = found.normal
         depth[found.number] = np.maximum.reduceat(-found.separation, found.first[:-1]) if len(found.number) else 0.0

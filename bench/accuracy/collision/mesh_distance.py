@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from drone_engine.arrays import Floats
-from drone_engine.collision.mesh.octree import DEPTH, Octree
-from drone_engine.collision.triangle.closest import closest
+from drone_engine.collision.mesh.octree import MAX_DEPTH, Octree
+from drone_engine.collision.triangle.closest import closest_points
 from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
 
-STACK = 64 * DEPTH
+STACK = 64 * MAX_DEPTH
 
 
 @kernel
@@ -60,8 +60,9 @@ def _search(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
                 there = _transformed_corners(corners_b[t], r, shift)
                 for s in range(link_a[i, 2], link_a[i, 2] + link_a[i, 3]):
                     here = corners_a[s]
-                    best = min(best, math.sqrt(closest((here[0, 0], here[0, 1], here[0, 2], here[1, 0], here[1, 1],
-                                                        here[1, 2], here[2, 0], here[2, 1], here[2, 2]), there)[0]))
+                    best = min(best, math.sqrt(closest_points(
+                        (here[0, 0], here[0, 1], here[0, 2], here[1, 0], here[1, 1], here[1, 2], here[2, 0],
+                         here[2, 1], here[2, 2]), there)[0]))
             continue
         size_a = box_a[i, 3] + box_a[i, 4] + box_a[i, 5]
         opens_a = link_b[j, 1] == 0 or (link_a[i, 1] > 0 and size_a >= box_b[j, 3] + box_b[j, 4] + box_b[j, 5])

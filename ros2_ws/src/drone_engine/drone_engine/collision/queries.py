@@ -54,13 +54,13 @@ def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: in
     if len(first) != 1:
         raise ValueError(f"poses: expected one each, got {len(first)}")
     if level == SPHERE:
-        hit, normal, point, separation = sphere.contacts(*a.balls(first), *b.balls(second))
+        hit, normal, point, separation = sphere.contacts(*a.bounding_spheres(first), *b.bounding_spheres(second))
         return Contacts(point[hit], normal[hit], -separation[hit], np.full((hit.sum(), 2), -1))
     if level == OBB:
-        return _box_contacts(np.full((1, 2), -1), *a.boxes(first), *b.boxes(second))
+        return _box_contacts(np.full((1, 2), -1), *a.bounding_boxes(first), *b.bounding_boxes(second))
     if level == OCTREE:
         leaves = traversal.pairs(a.tree, first, b.tree, second, leaves=True)[1].astype(np.int64)
-        return _box_contacts(leaves, *a.leaves(first, leaves[:, 0]), *b.leaves(second, leaves[:, 1]))
+        return _box_contacts(leaves, *a.leaf_boxes(first, leaves[:, 0]), *b.leaf_boxes(second, leaves[:, 1]))
     if level == TRIANGLE:
         _, pairs, point, normal, depth = traversal.contacts(a.tree, first, b.tree, second)
         return Contacts(point, normal, depth, np.stack([a.tree.face[pairs[:, 0]], b.tree.face[pairs[:, 1]]], axis=1))
@@ -100,9 +100,9 @@ def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: i
 def _intersects(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int) -> Booleans:
     """Whether the shapes touch at each of n poses (n, 7) of both."""
     if level == SPHERE:
-        return sphere.intersects(*a.balls(poses_a), *b.balls(poses_b))
+        return sphere.intersects(*a.bounding_spheres(poses_a), *b.bounding_spheres(poses_b))
     if level == OBB:
-        return box.intersects(*a.boxes(poses_a), *b.boxes(poses_b))
+        return box.intersects(*a.bounding_boxes(poses_a), *b.bounding_boxes(poses_b))
     if level in (OCTREE, TRIANGLE):
         return traversal.intersects(a.tree, poses_a, b.tree, poses_b, boxes=level == OCTREE)
     raise _no_level(level)
@@ -120,7 +120,7 @@ def _poses(poses_a: ArrayLike, poses_b: ArrayLike) -> tuple[Floats, Floats]:
         array = np.atleast_2d(np.asarray(poses, np.float64))
         if array.ndim != 2 or array.shape[1] != 7:
             raise ValueError(f"{name}: expected a pose (7,) or poses (n, 7), got shape {array.shape}")
-        traversal.check(name, array)
+        traversal.check_poses(name, array)
         arrays.append(array)
     n = max(len(array) for array in arrays)
     for name, array in zip(("poses_a", "poses_b"), arrays, strict=True):

@@ -106,7 +106,7 @@ def test_one_pose_applies_to_all() -> None:
 
 @pytest.mark.parametrize(("poses", "level", "error"), [
     (np.zeros(6), OBB, r"poses_a: expected a pose \(7,\) or poses \(n, 7\), got shape \(1, 6\)"),
-    (np.zeros((3, 7)), OBB, r"poses_a: expected positions up to .* and unit quaternions, row 0 is"),
+    (np.zeros((3, 7)), OBB, r"poses_a: expected positions up to .* and unit quaternions, got .* in row 0"),
     (pose(np.nan, 0, 0), SPHERE, r"poses_a: expected positions up to"),
     (pose(0, 0, 0), 7, r"level: expected 0 \(sphere\), 1 \(obb\), 2 \(octree\), 3 \(triangle\), got 7"),
 ])

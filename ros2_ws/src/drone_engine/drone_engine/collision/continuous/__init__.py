@@ -1,1 +1,1 @@
-"""Continuous collision detection."""
+"""Continuous collision detection: times of impact within a step."""

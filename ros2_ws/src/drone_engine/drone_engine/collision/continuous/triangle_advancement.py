@@ -1,56 +1,62 @@
-"""Conservative advancement of two triangles that move and turn with their bodies; as `advancement` does boxes.
+"""Conservative advancement of two triangles that translate and rotate with their bodies; see `advancement` for boxes.
 
-The closest points of two triangles that are apart lie on two edges, or on a corner and a face. So the distance is
-reached along the line between the closest two edges, or along one of the normals: three directions are enough.
+The closest points of two disjoint triangles lie on two edges, or on a corner and a face. The direction of the distance
+is therefore that between the closest two edges or one of the normals: three directions are enough.
+
+motion, poses: as in `advancement`. Triangles (3, 3): a corner per row, m.
 """
 
 import math
 
 from drone_engine.collision.continuous.advancement import (
+    ANGULAR_VELOCITY_A,
+    ANGULAR_VELOCITY_B,
     AXES_A,
     AXES_B,
     IMPACT,
-    NEAR,
-    NONE,
-    SPIN_A,
-    SPIN_B,
+    IMPACT_TOLERANCE,
+    NO_IMPACT,
     UNFINISHED,
-    VELOCITY,
-    along,
-    place_at,
-    safe_time,
-    swing,
+    axis_safe_time,
+    dot_at,
+    poses_at,
 )
+from drone_engine.collision.triangle.geometry import triangle_normal
 from drone_engine.kernel import kernel
 
 
 @kernel
-def put(place, row, corners, world):
-    """Writes corners (3, 3) of a body in the axes of the world, from the body's position."""
+def rotate_corners(poses, row, corners, world):
+    """Writes corners (3, 3), given in a body's frame, in world axes from the body's position, to world (3, 3); row:
+    AXES_A or AXES_B."""
     for i in range(3):
         for k in range(3):
-            world[i, k] = (corners[i, 0] * place[row + k] + corners[i, 1] * place[row + 3 + k]
-                           + corners[i, 2] * place[row + 6 + k])
+            world[i, k] = (corners[i, 0] * poses[row + k] + corners[i, 1] * poses[row + 3 + k]
+                           + corners[i, 2] * poses[row + 6 + k])
 
 
 @kernel
-def extent(world, x, y, z):
-    """The least and the largest coordinate of a triangle along (x, y, z)."""
-    a = along(world[0], 0, x, y, z)
-    b = along(world[1], 0, x, y, z)
-    c = along(world[2], 0, x, y, z)
+def interval_along(world, x, y, z):
+    """The smallest and the largest coordinate of a triangle along (x, y, z)."""
+    a = dot_at(world[0], 0, x, y, z)
+    b = dot_at(world[1], 0, x, y, z)
+    c = dot_at(world[2], 0, x, y, z)
     return min(a, b, c), max(a, b, c)
 
 
 @kernel
-def circle_of(motion, spin, world):
-    """What `swing` needs of a triangle that circles the axis through its body's position; as advancement.orbit."""
-    wx, wy, wz = motion[spin], motion[spin + 1], motion[spin + 2]
+def triangle_circle(motion, rate, world):
+    """The cylinder that contains a triangle which rotates about the axis through its body's position.
+
+    world: (3, 3) from the body's position. Returns the same as `advancement.box_circle`; rate: ANGULAR_VELOCITY_A or
+    ANGULAR_VELOCITY_B.
+    """
+    wx, wy, wz = motion[rate], motion[rate + 1], motion[rate + 2]
     speed = math.sqrt(wx * wx + wy * wy + wz * wz)
     if speed == 0.0:
         return 0.0, 0.0, 0.0, 0.0
     x, y, z = wx / speed, wy / speed, wz / speed
-    low, high = extent(world, x, y, z)
+    low, high = interval_along(world, x, y, z)
     square = 0.0
     for i in range(3):
         px, py, pz = world[i, 0], world[i, 1], world[i, 2]
@@ -60,13 +66,17 @@ def circle_of(motion, spin, world):
 
 
 @kernel
-def between_edges(place, a, i, b, j):
-    """The vector between the closest points of edge i of a and edge j of b (Ericson 2005, Real-Time Collision
-    Detection, 5.1.9)."""
+def edge_edge_vector(poses, a, i, b, j):
+    """The vector between the closest points of edge i of triangle a and edge j of triangle b, m (Ericson 2005,
+    Real-Time Collision Detection, 5.1.9).
+
+    a, b: (3, 3) in world axes, each from its body's position. `triangle.closest` has the same formula with other
+    roundings: it takes s from cross products, which is more accurate for nearly parallel edges.
+    """
     i1, j1 = (i + 1) % 3, (j + 1) % 3
     ux, uy, uz = a[i1, 0] - a[i, 0], a[i1, 1] - a[i, 1], a[i1, 2] - a[i, 2]
     vx, vy, vz = b[j1, 0] - b[j, 0], b[j1, 1] - b[j, 1], b[j1, 2] - b[j, 2]
-    wx, wy, wz = place[0] + b[j, 0] - a[i, 0], place[1] + b[j, 1] - a[i, 1], place[2] + b[j, 2] - a[i, 2]
+    wx, wy, wz = poses[0] + b[j, 0] - a[i, 0], poses[1] + b[j, 1] - a[i, 1], poses[2] + b[j, 2] - a[i, 2]
     uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
     uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
     square = uu * vv - uv * uv
@@ -79,12 +89,12 @@ def between_edges(place, a, i, b, j):
 
 
 @kernel
-def between(place, a, b):
-    """The shortest of the vectors between edges of a and of b."""
+def closest_edges_vector(poses, a, b):
+    """The shortest of the nine vectors between an edge of a and an edge of b, as `edge_edge_vector`."""
     nearest, nx, ny, nz = math.inf, 0.0, 0.0, 0.0
     for i in range(3):
         for j in range(3):
-            x, y, z = between_edges(place, a, i, b, j)
+            x, y, z = edge_edge_vector(poses, a, i, b, j)
             square = x * x + y * y + z * z
             if square < nearest:
                 nearest, nx, ny, nz = square, x, y, z
@@ -92,46 +102,42 @@ def between(place, a, b):
 
 
 @kernel
-def normal(world):
-    """Square to a triangle, of any length."""
-    ux, uy, uz = world[1, 0] - world[0, 0], world[1, 1] - world[0, 1], world[1, 2] - world[0, 2]
-    vx, vy, vz = world[2, 0] - world[0, 0], world[2, 1] - world[0, 1], world[2, 2] - world[0, 2]
-    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+def triangle_time_of_impact(motion, poses, corners_a, corners_b, start, end, target, iterations, world):
+    """The time of impact of two triangles, (t, outcome), as `advancement.box_time_of_impact`.
 
-
-@kernel
-def triangles_meet(motion, place, corners_a, corners_b, start, end, target, iterations, world):
-    """As advancement.boxes_meet; corners: (3, 3) in the bodies; world: (2, 3, 3) to work in."""
+    corners_a, corners_b: (3, 3) in the frames of the bodies. poses (POSES_SIZE,) and world (2, 3, 3) are scratch.
+    """
     t = start
     a, b = world[0], world[1]
     for iteration in range(iterations):
-        place_at(motion, t, place)
-        put(place, AXES_A, corners_a, a)
-        put(place, AXES_B, corners_b, b)
+        poses_at(motion, t, poses)
+        rotate_corners(poses, AXES_A, corners_a, a)
+        rotate_corners(poses, AXES_B, corners_b, b)
         if iteration == 0:
-            circle_a, circle_b = circle_of(motion, SPIN_A, a), circle_of(motion, SPIN_B, b)
-        widest, leap = 0.0, 0.0
+            circle_a = triangle_circle(motion, ANGULAR_VELOCITY_A, a)
+            circle_b = triangle_circle(motion, ANGULAR_VELOCITY_B, b)
+        largest, advance = 0.0, 0.0
         for k in range(3):
-            x, y, z = normal(world[k]) if k < 2 else between(place, a, b)  # this one costs the most
+            # The vector between edges comes last since it costs the most.
+            x, y, z = triangle_normal(world, k) if k < 2 else closest_edges_vector(poses, a, b)
             length = math.sqrt(x * x + y * y + z * z)
             if not length > 0.0:
                 continue
             x, y, z = x / length, y / length, z / length
-            low_a, high_a = extent(a, x, y, z)
-            low_b, high_b = extent(b, x, y, z)
-            shift = x * place[0] + y * place[1] + z * place[2]
+            low_a, high_a = interval_along(a, x, y, z)
+            low_b, high_b = interval_along(b, x, y, z)
+            shift = x * poses[0] + y * poses[1] + z * poses[2]
             separation = shift + low_b - high_a
-            if low_a - shift - high_b > separation:  # b is on the other side
+            if low_a - shift - high_b > separation:  # b is on the other side: the axis is to point from a to b
                 separation = low_a - shift - high_b
                 x, y, z, high_a, low_b = -x, -y, -z, -low_a, -high_b
-            widest = max(widest, separation)
+            largest = max(largest, separation)
             if separation > target:
-                leap = max(leap, safe_time(separation - target, -along(motion, VELOCITY, x, y, z),
-                                           swing(motion, SPIN_A, circle_a, x, y, z, high_a),
-                                           swing(motion, SPIN_B, circle_b, -x, -y, -z, -low_b)))
-            if t + leap >= end:
-                return end, NONE
-        if widest <= NEAR * target:
+                advance = max(advance, axis_safe_time(motion, x, y, z, separation - target, circle_a, circle_b,
+                                                      high_a, -low_b))
+            if t + advance >= end:
+                return end, NO_IMPACT
+        if largest <= IMPACT_TOLERANCE * target:
             return t, IMPACT
-        t += leap
+        t += advance
     return t, UNFINISHED

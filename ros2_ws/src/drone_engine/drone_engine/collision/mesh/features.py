@@ -1,23 +1,30 @@
-"""Contacts of two meshes for a solver: corners that meet faces, and edges that meet edges, near or a little inside.
+"""Contacts of two meshes for the solver, between features: corner against face and edge against edge.
 
-Two surfaces come into contact at such pairs and at no others. A contact holds the plane between its two features: its
-normal is the face's, or that of both edges, where that looks out of both meshes. The front of a triangle, from which
-its corners turn counter-clockwise, is outside.
+Two surfaces come into contact at such pairs of features only. The contact plane lies between the two: its normal is
+that of the face, or the cross product of the edges if that points out of both meshes. The outside of a triangle is the
+side from which its corners run counter-clockwise.
+
+A placed triangle is an array (10, 3) in the world: its corners, m, then its seven normals as in Topology. Contacts are
+written to: normal (k, 3) unit, from a to b; point (k, 2, 3) m, on a and on b; separation (k,) m, negative in
+penetration; feature (k,), an identifier of the corner or the edges that is stable from step to step. Kernels append
+after the first `found` contacts and return the new number; those that do not fit are counted, not written.
 """
 
 import math
 
 from drone_engine.collision.mesh.topology import CORNER, EDGE
+from drone_engine.collision.mesh.transforms import transform_point
 from drone_engine.kernel import kernel
 
-PARALLEL = 1e-6  # squared sine below which two edges have no normal of their own
-TOLERANCE = 1e-3  # of a sine: how far the normal of two edges may leave the wedge of their faces; one may lie in it
-CORNER_OF_A, CORNER_OF_B, EDGES = range(3)  # what a contact is made of
+MIN_EDGES_SIN2 = 1e-6  # squared sine between two edges below which their cross product is no contact normal
+WEDGE_TOLERANCE = 1e-3  # sine by which the normal of two edges may leave the wedge of an edge's faces
+CORNER_OF_A, CORNER_OF_B, EDGES = range(3)  # kind of a contact, in the last two bits of its identifier
 
 
 @kernel
 def place(corners, normals, r, px, py, pz, world):
-    """Writes a triangle in the world, (10, 3): its corners, then its seven normals; r: nine numbers, row by row."""
+    """Writes a triangle, corners (3, 3) and normals (7, 3), in the world to world (10, 3); r: rotation, nine numbers
+    row by row; p: position, m."""
     place_corners(corners, r, px, py, pz, world)
     for i in range(7):
         x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
@@ -28,45 +35,45 @@ def place(corners, normals, r, px, py, pz, world):
 
 @kernel
 def place_corners(corners, r, px, py, pz, world):
-    """Writes the corners of a triangle in the world, rounded as everywhere."""
+    """Writes corners (3, 3) of a body in the world to world (.., 3), with the body's rotation r and position p."""
     for i in range(3):
-        x, y, z = corners[i, 0], corners[i, 1], corners[i, 2]
-        world[i, 0] = (r[0] * x + r[1] * y + r[2] * z) + px
-        world[i, 1] = (r[3] * x + r[4] * y + r[5] * z) + py
-        world[i, 2] = (r[6] * x + r[7] * y + r[8] * z) + pz
+        world[i, 0], world[i, 1], world[i, 2] = transform_point(
+            r, px, py, pz, corners[i, 0], corners[i, 1], corners[i, 2])
 
 
 @kernel
-def meet(a, owned_a, id_a, b, owned_b, id_b, margin, inside, normal, point, separation, feature, found):
-    """Appends the contacts of two placed triangles after the first `found`; returns how many there are then.
+def feature_contacts(a, owned_a, id_a, b, owned_b, id_b, margin, inside, normal, point, separation, feature, found):
+    """Appends the contacts of two placed triangles that are at most `margin` m apart and at most `inside` m deep.
 
-    Contacts lie at most `margin` apart and `inside` deep. normal: (k, 3) from a to b; point: (k, 2, 3) on a and on b;
-    separation: (k,); feature: (k,) names the corner or the edges. What does not fit is counted and not written.
+    owned_a, owned_b: bits of the features that the triangles own, as in Topology; id_a, id_b: indices of the triangles.
     """
     for i in range(3):
         if owned_a & (CORNER << i):
-            found = _corner(a, i, b, -1.0, CORNER_OF_A + 4 * (3 * id_a + i), margin, inside, normal, point, separation,
-                            feature, found)
+            found = _corner_face_contact(a, i, b, -1.0, CORNER_OF_A + 4 * (3 * id_a + i), margin, inside, normal, point,
+                                         separation, feature, found)
         if owned_b & (CORNER << i):
-            found = _corner(b, i, a, 1.0, CORNER_OF_B + 4 * (3 * id_b + i), margin, inside, normal, point, separation,
-                            feature, found)
+            found = _corner_face_contact(b, i, a, 1.0, CORNER_OF_B + 4 * (3 * id_b + i), margin, inside, normal, point,
+                                         separation, feature, found)
     for i in range(3):
         if owned_a & (EDGE << i):
             for j in range(3):
                 if owned_b & (EDGE << j):
-                    name = EDGES + 4 * ((3 * id_a + i) << 29 | (3 * id_b + j))
-                    found = _edges(a, i, b, j, name, margin, inside, normal, point, separation, feature, found)
+                    identifier = EDGES + 4 * ((3 * id_a + i) << 29 | (3 * id_b + j))
+                    found = _edge_edge_contact(a, i, b, j, identifier, margin, inside, normal, point, separation,
+                                               feature, found)
     return found
 
 
 @kernel
 def _dot(u, i, v, j):
+    """The dot product of row i of u and row j of v."""
     return u[i, 0] * v[j, 0] + u[i, 1] * v[j, 1] + u[i, 2] * v[j, 2]
 
 
 @kernel
-def _corner(p, i, face, sign, name, margin, inside, normal, point, separation, feature, found):
-    """Appends the contact of corner i of p with a face, if it looks against it and lies above or under it."""
+def _corner_face_contact(p, i, face, sign, identifier, margin, inside, normal, point, separation, feature, found):
+    """Appends the contact of corner i of triangle p with the face of triangle `face`, if their normals oppose each
+    other and the corner projects into the face. sign: -1 for a corner of a, 1 for a corner of b."""
     if _dot(p, 7 + i, face, 3) >= 0.0:
         return found
     nx, ny, nz = face[3, 0], face[3, 1], face[3, 2]
@@ -79,37 +86,42 @@ def _corner(p, i, face, sign, name, margin, inside, normal, point, separation, f
         ex, ey, ez = face[m, 0] - face[k, 0], face[m, 1] - face[k, 1], face[m, 2] - face[k, 2]
         dx, dy, dz = x - face[k, 0], y - face[k, 1], z - face[k, 2]
         if (ny * ez - nz * ey) * dx + (nz * ex - nx * ez) * dy + (nx * ey - ny * ex) * dz < 0.0:
-            return found  # beyond that edge; on it is inside
+            return found  # outside of that edge; a corner on it counts as inside
     if found < feature.shape[0]:
         own, other = (0, 1) if sign < 0.0 else (1, 0)
         for k in range(3):
             normal[found, k] = sign * face[3, k]
             point[found, own, k] = p[i, k]
             point[found, other, k] = p[i, k] - s * face[3, k]
-        separation[found], feature[found] = s, name
+        separation[found], feature[found] = s, identifier
     return found + 1
 
 
 @kernel
 def _inside_wedge(t, i, dx, dy, dz, x, y, z):
-    """Whether the unit vector (x, y, z), square to edge i along (dx, dy, dz), looks out between its faces."""
+    """Whether the unit vector (x, y, z), perpendicular to edge i of placed triangle t, lies between the normals of the
+    two faces at that edge. (dx, dy, dz): unit vector along the edge."""
     for side in range(2):
-        row, turn = (3, 1.0) if side == 0 else (4 + i, -1.0)
+        row, sign = (3, 1.0) if side == 0 else (4 + i, -1.0)
         nx, ny, nz = t[row, 0], t[row, 1], t[row, 2]
-        if turn * ((ny * dz - nz * dy) * x + (nz * dx - nx * dz) * y + (nx * dy - ny * dx) * z) > TOLERANCE:
+        if sign * ((ny * dz - nz * dy) * x + (nz * dx - nx * dz) * y + (nx * dy - ny * dx) * z) > WEDGE_TOLERANCE:
             return False
     return True
 
 
 @kernel
-def _edges(a, i, b, j, name, margin, inside, normal, point, separation, feature, found):
-    """Appends the contact of edge i of a with edge j of b, if their closest points lie within both."""
+def _edge_edge_contact(a, i, b, j, identifier, margin, inside, normal, point, separation, feature, found):
+    """Appends the contact of edge i of a with edge j of b, if the closest points of their lines lie on both edges.
+
+    The formula is that of Ericson 2005, Real-Time Collision Detection, 5.1.8; cf. `triangle.closest`, where points are
+    clamped to the edges and roundings differ.
+    """
     i1, j1 = i + 1 if i < 2 else 0, j + 1 if j < 2 else 0
     ux, uy, uz = a[i1, 0] - a[i, 0], a[i1, 1] - a[i, 1], a[i1, 2] - a[i, 2]
     vx, vy, vz = b[j1, 0] - b[j, 0], b[j1, 1] - b[j, 1], b[j1, 2] - b[j, 2]
     uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
-    square = uu * vv - uv * uv  # of the length of u x v
-    if square <= PARALLEL * uu * vv:
+    square = uu * vv - uv * uv  # squared length of u x v
+    if square <= MIN_EDGES_SIN2 * uu * vv:
         return found
     wx, wy, wz = a[i, 0] - b[j, 0], a[i, 1] - b[j, 1], a[i, 2] - b[j, 2]
     wu, wv = wx * ux + wy * uy + wz * uz, wx * vx + wy * vy + wz * vz
@@ -132,14 +144,14 @@ def _edges(a, i, b, j, name, margin, inside, normal, point, separation, feature,
         for k in range(3):
             point[found, 0, k] = a[i, k] + s * (a[i1, k] - a[i, k])
             point[found, 1, k] = b[j, k] + t * (b[j1, k] - b[j, k])
-        separation[found], feature[found] = gap, name
+        separation[found], feature[found] = gap, identifier
     return found + 1
 
 
 @kernel
-def square_distance(x, y, z, t):
-    """Squared distance of a point from a triangle t, a corner a row (Ericson 2005, Real-Time Collision Detection,
-    5.1.5); inf for a triangle without area."""
+def squared_distance(x, y, z, t):
+    """The squared distance of a point from triangle t, a corner per row, m^2; inf for a triangle without area (Ericson
+    2005, Real-Time Collision Detection, 5.1.5)."""
     ux, uy, uz = t[1, 0] - t[0, 0], t[1, 1] - t[0, 1], t[1, 2] - t[0, 2]
     vx, vy, vz = t[2, 0] - t[0, 0], t[2, 1] - t[0, 1], t[2, 2] - t[0, 2]
     px, py, pz = x - t[0, 0], y - t[0, 1], z - t[0, 2]
@@ -149,19 +161,19 @@ def square_distance(x, y, z, t):
     if area <= 0.0:
         return math.inf
     s, w = vv * pu - uv * pv, uu * pv - uv * pu
-    if s >= 0.0 and w >= 0.0 and s + w <= area:  # over the inside
+    if s >= 0.0 and w >= 0.0 and s + w <= area:  # the point projects into the triangle
         s, w = s / area, w / area
         return (px - s * ux - w * vx) ** 2 + (py - s * uy - w * vy) ** 2 + (pz - s * uz - w * vz) ** 2
-    first = _from_segment(px, py, pz, ux, uy, uz, pu, uu)
-    second = _from_segment(px, py, pz, vx, vy, vz, pv, vv)
+    first = _squared_segment_distance(px, py, pz, ux, uy, uz, pu, uu)
+    second = _squared_segment_distance(px, py, pz, vx, vy, vz, pv, vv)
     ex, ey, ez = vx - ux, vy - uy, vz - uz
     qx, qy, qz = px - ux, py - uy, pz - uz
-    third = _from_segment(qx, qy, qz, ex, ey, ez, qx * ex + qy * ey + qz * ez, ex * ex + ey * ey + ez * ez)
+    third = _squared_segment_distance(qx, qy, qz, ex, ey, ez, qx * ex + qy * ey + qz * ez, ex * ex + ey * ey + ez * ez)
     return min(first, second, third)
 
 
 @kernel
-def _from_segment(px, py, pz, ux, uy, uz, pu, uu):
-    """Squared distance of p from the segment of u, from the origin; pu, uu: their products."""
+def _squared_segment_distance(px, py, pz, ux, uy, uz, pu, uu):
+    """The squared distance of point p from the segment from the origin to u; pu, uu: their dot products."""
     s = min(max(pu / uu, 0.0), 1.0)
     return (px - s * ux) ** 2 + (py - s * uy) ** 2 + (pz - s * uz) ** 2

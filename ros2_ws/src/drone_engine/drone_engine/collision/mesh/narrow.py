@@ -11,7 +11,13 @@ from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import box as obb
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import octree, traversal
-from drone_engine.collision.mesh.contacts import DEEP, INSIDE, floor_contacts, leaf_contacts, triangle_contacts
+from drone_engine.collision.mesh.contacts import (
+    DEEP_SEARCH_DEPTH,
+    SEARCH_DEPTH,
+    floor_contacts,
+    leaf_contacts,
+    triangle_contacts,
+)
 from drone_engine.collision.mesh.reduction import MOST, reduce
 from drone_engine.collision.mesh.shape import Shape
 from drone_engine.collision.placement import PlacedBodies
@@ -59,9 +65,9 @@ def _overlap(separation, count):
 def _contacts(poses, position, axes, a, b, fine, margin, inside, tree, normals, owned, roots, spare, raw, rows, at):
     """Writes all contacts of bodies a and b to raw, of their triangles or (fine: False) leaves; returns how many of
     these come near, and how many contacts there are. rows: room for manifolds, number `at` of which is free."""
-    near = traversal.walk(tree, roots[a], poses[a], tree, roots[b], poses[b],
-                          traversal.NEAR if fine else traversal.NEAR_LEAVES, inside if fine else margin, spare,
-                          raw.near, 0)
+    near = traversal.traverse(tree, roots[a], poses[a], tree, roots[b], poses[b],
+                              traversal.NEAR_TRIANGLES if fine else traversal.NEAR_LEAVES,
+                              inside if fine else margin, spare, raw.near, 0)
     if near > raw.near.shape[0]:
         return near, 0
     if fine:
@@ -92,13 +98,14 @@ def find_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, ev
                 raw.normal[:count] *= -1.0
         else:
             fine = level[k] == TRIANGLE
-            near, count = _contacts(poses, position, axes, a, b, fine, margin, max(margin, INSIDE), tree, normals,
+            near, count = _contacts(poses, position, axes, a, b, fine, margin, max(margin, SEARCH_DEPTH), tree, normals,
                                     owned, roots, spare, raw, rows, found)
-            if fine and 0 < near <= raw.near.shape[0] and not _overlap(raw.separation, count) and traversal.walk(
-                    tree, roots[a], poses[a], tree, roots[b], poses[b], traversal.SURFACES, 0.0, spare, raw.near, 0):
+            if fine and 0 < near <= raw.near.shape[0] and not _overlap(raw.separation, count) and traversal.traverse(
+                    tree, roots[a], poses[a], tree, roots[b], poses[b], traversal.ANY_TRIANGLES, 0.0, spare, raw.near,
+                    0):
                 # Surfaces that cut each other without a contact that shallow are in deeper than most ever are.
-                near, count = _contacts(poses, position, axes, a, b, fine, margin, DEEP, tree, normals, owned, roots,
-                                        spare, raw, rows, found)
+                near, count = _contacts(poses, position, axes, a, b, fine, margin, DEEP_SEARCH_DEPTH, tree, normals,
+                                        owned, roots, spare, raw, rows, found)
             if near > raw.near.shape[0]:
                 return found, near, 0
         if count > raw.separation.shape[0]:
@@ -134,7 +141,7 @@ class Meshes:
         self.tree, roots = octree.join([shape.tree for shape in shapes])
         self.roots: Integers = np.where(which >= 0, roots[which], -1)
         self._normals, self._owned = (np.concatenate(parts) for parts in
-                                      zip(*(shape.surface for shape in shapes), strict=True))
+                                      zip(*(shape.topology for shape in shapes), strict=True))
         self._spare, self._raw = traversal.scratch(), _raw(1024, 256)
 
     @property

@@ -1,7 +1,7 @@
-"""What the contact of two meshes needs to know about a triangle besides its corners: normals, and who owns what.
+"""Topology of a triangle mesh for contacts: normals of faces, edges and corners, and the owners of shared features.
 
-A vertex and an edge are shared by several triangles. Each is owned by one of them, so that each is looked at once
-(representative triangles: Curtis, Tamstorf, Manocha 2008, Fast Collision Detection for Deformable Models).
+A vertex or an edge is shared by several triangles. One of them owns it, so that each is tested once (representative
+triangles: Curtis, Tamstorf, Manocha 2008, Fast Collision Detection for Deformable Models).
 """
 
 from typing import NamedTuple
@@ -11,19 +11,19 @@ import numpy as np
 from drone_engine.arrays import Floats, Integers
 
 CORNER, EDGE = 1, 8  # bit of the first corner and of the first edge that a triangle owns
-FLAT = 1e-6  # of the edge's length: how far the neighbour must lie behind the triangle's plane for a sharp edge
+CONVEX_HEIGHT = 1e-6  # of the edge's length: how far the neighbor must lie behind the triangle's plane at a convex edge
 
 
-class Surface(NamedTuple):
-    """m triangles, in the frame and order of their corners."""
+class Topology(NamedTuple):
+    """Topology of m triangles, in the frame and order of their corners."""
 
-    normal: Floats  # (m, 7, 3) unit: the face's; across each edge i to i + 1 the neighbour's; each corner's
-    owned: Integers  # (m,) bits: corners 0 to 2, then edges 0 to 2, these only where they stick out
+    normal: Floats  # (m, 7, 3) unit: of the face; of the neighbor across each edge i to i + 1; of each corner
+    owned: Integers  # (m,) bits of owned features: corners 0 to 2, then edges 0 to 2; convex edges only
 
 
-def describe(corners: Floats) -> Surface:
-    """The surface of triangles (m, 3, 3); corners that share a place are one vertex. A degenerate triangle has a
-    normal of zeros; the neighbour across a border is the triangle's own back."""
+def find_topology(corners: Floats) -> Topology:
+    """The topology of triangles (m, 3, 3), m; corners at the same place are one vertex. A degenerate triangle has a
+    normal of zeros; the neighbor across a border is the triangle's own back."""
     m = len(corners)
     _, vertex = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
     vertex = vertex.reshape(m, 3)
@@ -35,21 +35,26 @@ def describe(corners: Floats) -> Surface:
     owned = np.zeros(m, np.int64)
     first = np.unique(vertex.ravel(), return_index=True)[1]
     np.bitwise_or.at(owned, first // 3, CORNER << first % 3)
-    neighbour, stands_out = _edges(corners, side, face, vertex)
-    normal[:, 1:4] = np.where(neighbour[..., None] >= 0, face[neighbour], -face[:, None])
-    owned |= (stands_out * (EDGE << np.arange(3))).sum(1)
-    return Surface(normal, owned)
+    neighbor, owned_edge = _edges(corners, side, face, vertex)
+    normal[:, 1:4] = np.where(neighbor[..., None] >= 0, face[neighbor], -face[:, None])
+    owned |= (owned_edge * (EDGE << np.arange(3))).sum(1)
+    return Topology(normal, owned)
 
 
 def _unit(vectors: Floats) -> Floats:
+    """Vectors (..., 3) scaled to length 1; zero vectors stay."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
     return unit
 
 
 def _corner_normals(side: Floats, face: Floats, vertex: Integers) -> Floats:
-    """(m, 3, 3): of each corner the mean of the normals around its vertex, by their angles there, which looks
-    towards any point that the vertex is the closest to (Baerentzen and Aanaes 2005, Signed Distance Computation)."""
+    """The normal of each corner, (m, 3, 3): the mean of the face normals around its vertex, weighted by the angles of
+    the faces there. It points to the side of every point that the vertex is the closest to (Baerentzen and Aanaes 2005,
+    Signed Distance Computation Using the Angle Weighted Pseudonormal).
+
+    side: (m, 3, 3) edges as vectors; face: (m, 3) unit normals; vertex: (m, 3) indices.
+    """
     along = _unit(side)
     back = -np.roll(along, 1, axis=1)
     angle = np.arccos(np.clip((along * back).sum(-1), -1.0, 1.0))
@@ -60,7 +65,8 @@ def _corner_normals(side: Floats, face: Floats, vertex: Integers) -> Floats:
 
 
 def _edges(corners: Floats, side: Floats, face: Floats, vertex: Integers) -> tuple[Integers, Integers]:
-    """For each triangle's edges, (m, 3): the triangle across or -1; 1 where it stands out and this one owns it."""
+    """Two arrays (m, 3) for each triangle's edges: the neighbor across, -1 at a border; 1 if the edge is convex and the
+    triangle owns it, else 0. Arguments as in `_corner_normals`."""
     m = len(corners)
     ends = np.sort(np.stack([vertex, np.roll(vertex, -1, axis=1)], -1).reshape(-1, 2), axis=1)
     _, edge = np.unique(ends, axis=0, return_inverse=True)
@@ -73,6 +79,6 @@ def _edges(corners: Floats, side: Floats, face: Floats, vertex: Integers) -> tup
     across = np.where(own == first, second, first)
     opposite = corners.reshape(-1, 3)[across // 3 * 3 + (across % 3 + 2) % 3]
     height = ((opposite - corners.reshape(-1, 3)) * np.repeat(face, 3, axis=0)).sum(-1)
-    sharp = (across < 0) | (height < -FLAT * np.linalg.norm(side, axis=-1).ravel())
-    neighbour = np.where(across < 0, -1, across // 3)
-    return neighbour.reshape(m, 3), (sharp & (own == first)).astype(np.int64).reshape(m, 3)
+    convex = (across < 0) | (height < -CONVEX_HEIGHT * np.linalg.norm(side, axis=-1).ravel())
+    neighbor = np.where(across < 0, -1, across // 3)
+    return neighbor.reshape(m, 3), (convex & (own == first)).astype(np.int64).reshape(m, 3)

@@ -1,1 +1,1 @@
-"""Triangle against triangle."""
+"""Triangle against triangle: exact intersection test, contact, closest points."""

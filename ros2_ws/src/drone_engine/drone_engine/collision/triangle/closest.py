@@ -1,17 +1,23 @@
-"""The closest points of two triangles, rounded: a feature of one and a feature of the other at a time."""
+"""The closest points of two triangles, in rounded arithmetic.
+
+Triangles are tuples of nine numbers, x y z of each corner in turn. The closest points of two triangles that do not
+intersect lie on an edge of each, or on a corner of one and the face of the other (Ericson 2005, Real-Time Collision
+Detection, 5.1.10).
+"""
 
 import numpy as np
 
 from drone_engine.kernel import kernel
 
-PARALLEL = 1e-24  # squared sine between two edges below which any point of them may be the closest
+PARALLEL_EDGES_SIN2 = 1e-24  # squared sine between two edges below which any point of them may be the closest
 
 
 @kernel
-def closest(a, b):
-    """The closest points of two triangles that do not pass through each other, and the square of their distance:
-    a point of an edge and one of an edge, or a corner and one of a face (Ericson 2005, Real-Time Collision Detection,
-    5.1.10)."""
+def closest_points(a, b):
+    """The squared distance of two triangles that do not intersect, and their closest points.
+
+    Returns (squared distance, x, y, z of the point of a, x, y, z of the point of b), m.
+    """
     best = (np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(3):
         for _ in range(3):
@@ -33,14 +39,15 @@ def closest(a, b):
 
 @kernel
 def _corner_face(x, y, z, b):
-    """The square of the distance of a point from a face and the point above which it is; infinite if there is none."""
+    """The squared distance of a point from its projection onto the plane of triangle b, and that projection (x, y, z);
+    the distance is infinite if the projection lies outside of the triangle or the triangle has no area."""
     ux, uy, uz, vx, vy, vz = b[3] - b[0], b[4] - b[1], b[5] - b[2], b[6] - b[0], b[7] - b[1], b[8] - b[2]
     wx, wy, wz = x - b[0], y - b[1], z - b[2]
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     square = nx * nx + ny * ny + nz * nz
     s = (nx * (wy * vz - wz * vy) + ny * (wz * vx - wx * vz) + nz * (wx * vy - wy * vx)) / square
     t = (nx * (uy * wz - uz * wy) + ny * (uz * wx - ux * wz) + nz * (ux * wy - uy * wx)) / square
-    if not (s >= 0.0 and t >= 0.0 and s + t <= 1.0):  # not a number where there is no area: then the edges decide
+    if not (s >= 0.0 and t >= 0.0 and s + t <= 1.0):  # NaN where there is no area: then the edges decide
         return np.inf, 0.0, 0.0, 0.0
     px, py, pz = b[0] + (s * ux + t * vx), b[1] + (s * uy + t * vy), b[2] + (s * uz + t * vz)
     return (x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2, px, py, pz
@@ -48,7 +55,12 @@ def _corner_face(x, y, z, b):
 
 @kernel
 def _edge_edge(a, b):
-    """The square of the distance of the first edges of two triangles and the two closest points (Ericson 5.1.9)."""
+    """The squared distance of the first edges of two triangles and their closest points, laid out as the result of
+    `closest_points` (Ericson 2005, 5.1.9).
+
+    `continuous.triangle_advancement` and `mesh.features` have the same formula with other roundings: they take the
+    squared length of the cross product as uu * vv - uv * uv, which is cheaper.
+    """
     ux, uy, uz, vx, vy, vz = a[3] - a[0], a[4] - a[1], a[5] - a[2], b[3] - b[0], b[4] - b[1], b[5] - b[2]
     wx, wy, wz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
@@ -57,7 +69,7 @@ def _edge_edge(a, b):
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     square = nx * nx + ny * ny + nz * nz
     s = 0.0
-    if square > PARALLEL * uu * vv:
+    if square > PARALLEL_EDGES_SIN2 * uu * vv:
         s = (nx * (wy * vz - wz * vy) + ny * (wz * vx - wx * vz) + nz * (wx * vy - wy * vx)) / square
         s = min(max(s, 0.0), 1.0)
     t = (s * uv - vw) / vv if vv > 0.0 else 0.0

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from drone_engine.collision.mesh import octree
 from drone_engine.collision.ray.cast import cast, normalized
 from drone_engine.collision.ray.triangle import edge_function_error, ray_triangle, shear
-from drone_engine.collision.triangle import intersection as triangles
+from drone_engine.collision.triangle.contact import distances
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE
 from drone_engine.math.poses import rotate_all
 from reference import shapes
@@ -114,7 +114,7 @@ def test_a_triangle_is_hit_where_exact_arithmetic_says(o: np.ndarray, d: np.ndar
     assert (got < math.inf) == (expected is not None)
     if expected is not None and abs(got - float(expected)) > 1e-9:  # along what is seen nearly edge on
         point = np.tile(o + got * d, (1, 3, 1))
-        assert triangles.distances(point, triangle[None])[0][0] < 1e-9
+        assert distances(point, triangle[None])[0][0] < 1e-9
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e6])
@@ -233,7 +233,7 @@ def test_the_nearest_of_many_bodies_at_all_levels() -> None:
 
 def test_trees_that_are_shared_and_may_not_be_written_to() -> None:
     for level in (OCTREE, TRIANGLE):
-        hits = [cast([3, 0.1, 0.2], [-1, 0, 0], HERE, 1, level, tree, 0) for tree in (TREE, octree.of(*MESH))]
+        hits = [cast([3, 0.1, 0.2], [-1, 0, 0], HERE, 1, level, tree, 0) for tree in (TREE, octree.build_cached(*MESH))]
         assert hits[0].distance[0] == hits[1].distance[0] < 3
 
 
