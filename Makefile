@@ -31,7 +31,7 @@ assets: build  ## regenerate models and textures from their scripts, byte for by
 	@cd assets && "$(CURDIR)/$(RUN)" -m make
 
 check: build  ## style, types and import rules only
-	@$(RUN) -m pytest test/test_repository.py
+	@$(RUN) -m pytest test/test_repository.py test/test_conventions.py
 
 wheel: $(VENV)/pins  ## build wheels and source archives of the libraries in dist/
 	@rm -rf dist
