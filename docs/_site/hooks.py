@@ -27,7 +27,8 @@ API = {
     "reference/scene.md": ("Scene", ["drone_engine.scene"]),
     "reference/collision.md": ("Collision queries", [
         "drone_engine.collision.queries", "drone_engine.collision.mesh.shape"]),
-    "reference/renderer.md": ("Renderer", ["drone_render.renderer"]),
+    "reference/renderer.md": ("Renderer", ["drone_render.renderer", "drone_render.passes", "drone_render.frame.frame",
+                                           "drone_render.film"]),
     "reference/effects.md": ("Effects", ["drone_engine.effects"]),
     "reference/flight.md": ("Flight", ["drone_engine.flight"]),
 }

@@ -18,23 +18,23 @@ class ExtensionError(ValueError):
     """Why an extension cannot be used; one line without the scene's name and key."""
 
 
-def find(kind: str, name: str, folder: Path, known: tuple[str, ...] = ()) -> Any:
+def find(kind: str, name: str, folder: Path, known: tuple[str, ...] = (), package: str = "drone_engine") -> Any:
     """What a name leads to: a module, or whatever an entry point loads.
 
-    kind: 'effects', 'flight_models', 'behaviors'...: the group of entry points; folder: of the scene file; known: what
-    is built in, for the error. Raises ExtensionError.
+    kind: 'effects', 'flight_models', 'behaviors'...; folder: of the scene file; known: what is built in, for the error;
+    package: the entry points are those of the group '<package>.<kind>'. Raises ExtensionError.
     """
     try:
         if "." in name:
             return _module(name, folder)
-        for point in entry_points(group=f"drone_engine.{kind}", name=name):
+        for point in entry_points(group=f"{package}.{kind}", name=name):
             return point.load()
     except ExtensionError:
         raise
     except Exception as error:  # whatever the user's module raises while it is imported
         raise ExtensionError(f"cannot be imported: {type(error).__name__}: {_line(error)}") from error
     built_in = f"; there are {', '.join(known)}" if known else ""
-    raise ExtensionError(f"unknown {kind.removesuffix('s').replace('_', ' ')}{built_in}")
+    raise ExtensionError(f"unknown {_singular(kind).replace('_', ' ')}{built_in}")
 
 
 def member(found: Any, name: str, key: str) -> Any:
@@ -72,6 +72,10 @@ def _module(name: str, folder: Path) -> Any:
 
 def _importable(top: str) -> bool:
     return PathFinder.find_spec(top) is not None or top in sys.builtin_module_names
+
+
+def _singular(kind: str) -> str:
+    return kind.removesuffix("es" if kind.endswith("sses") else "s")
 
 
 def _line(error: BaseException) -> str:

@@ -18,16 +18,21 @@ from drone_engine.version import __version__
 
 if TYPE_CHECKING:
     from drone_render.film import Film, FilmError
+    from drone_render.frame.frame import Frame
     from drone_render.frame.lines import Lines
     from drone_render.gl.context import ContextError
+    from drone_render.passes import PassContext, RenderPass
     from drone_render.renderer import Measurement, Renderer
 
 _MODULES = {
-    "ContextError": "gl.context", "Film": "film", "FilmError": "film", "Lines": "frame.lines",
-    "Measurement": "renderer", "Renderer": "renderer",
+    "ContextError": "gl.context", "Film": "film", "FilmError": "film", "Frame": "frame.frame", "Lines": "frame.lines",
+    "Measurement": "renderer", "PassContext": "passes", "RenderPass": "passes", "Renderer": "renderer",
 }
 
-__all__ = ["ContextError", "Film", "FilmError", "Lines", "Measurement", "Renderer", "__version__"]
+__all__ = [
+    "ContextError", "Film", "FilmError", "Frame", "Lines", "Measurement", "PassContext", "RenderPass", "Renderer",
+    "__version__",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
+from drone_engine import SceneError
 from drone_engine.arrays import Floats
 from drone_engine.geometry import mesh
 from drone_engine.scene import loading as scenes
@@ -311,7 +312,7 @@ class RenderNode(Node):
 def main(args: list[str] | None = None) -> int:
     """Runs the node until a signal ends it; returns the exit status."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    return run("drone_render", lambda stop: RenderNode(), args, context.ContextError, work=RenderNode.run)
+    return run("drone_render", lambda stop: RenderNode(), args, context.ContextError, SceneError, work=RenderNode.run)
 
 
 if __name__ == "__main__":

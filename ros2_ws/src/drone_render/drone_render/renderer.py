@@ -26,6 +26,7 @@ from drone_render.gl.sky import SkyColors, SkyPass
 from drone_render.gl.solid import TOLERANCE, SolidPass
 from drone_render.gl.uniforms import packed
 from drone_render.gl.water import WaterPass
+from drone_render.passes import UserPasses
 
 if TYPE_CHECKING:
     from drone_render.frame.hierarchy import State
@@ -58,6 +59,7 @@ class Renderer:
         self._finish = contexts.finisher()
         self._device = Device(self._context)
         self._lighting = Lighting(self.hierarchy)
+        self._passes: UserPasses | None = None
         self._depth: DepthPass | None = None
         self._overlay: LinePass | None = None
         self._shows_overlay = False
@@ -82,6 +84,8 @@ class Renderer:
             return
         self._released = True
         with self._context:
+            if self._passes is not None:
+                self._passes.release()
             self._device.release()
         if self._owns_context:
             self._context.release()
@@ -119,10 +123,14 @@ class Renderer:
             target = self._targets[frame.size]
             self._device.begin(target, self._background)
             self._solid.draw(frame)
+            if self._passes is not None:
+                self._passes.draw_opaque(frame, target)
             if self._water is not None:
                 self._water.draw(frame)
             if self._sky is not None:
                 self._sky.draw(frame, self._sky_center(frame))
+            if self._passes is not None:
+                self._passes.draw_blended(frame, target)
             if self._overlay is not None and self._shows_overlay:
                 self._overlay.draw(frame)
             if self._edges is not None:
@@ -186,6 +194,8 @@ class Renderer:
         self._sky = None
         if render.sky is not None and colors is not None:
             self._sky = SkyPass(self._device, render, render.sky, colors, has_sun)
+        if scene.render.passes:
+            self._passes = UserPasses(scene, self.hierarchy, self._device)
         self._background = render.ambient
         self._targets: dict[tuple[int, int], contexts.Framebuffer] = {}
         self._make_targets()

@@ -9,6 +9,8 @@ Unit = Annotated[float, Field(ge=0.0, le=1.0)]
 Color = tuple[Unit, Unit, Unit]  # red, green, blue
 Rate = Annotated[float, Field(ge=0.01, le=10_000.0)]  # Hz
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
+Extension = Annotated[  # built-in name, entry point, or dotted path of a user's module
+    str, Field(pattern=r"^[a-z][a-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 Topic = Annotated[str, Field(pattern=r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 Mass = Annotated[float, Field(ge=1e-6, le=1e9)]  # kg
 Place = Annotated[float, Field(ge=-1e7, le=1e7)]  # m; float64 resolves 1e-8 m or better in this range

@@ -1,11 +1,11 @@
 """Schema of the picture of a scene: lights, cameras, sky and water."""
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, PositiveFloat, model_validator
 
-from drone_engine.scene.fields import ORIGIN, Color, Name, Pose, Strict, Unit
+from drone_engine.scene.fields import ORIGIN, Color, Extension, Name, Pose, Strict, Unit
 
 
 class Light(Strict):
@@ -86,6 +86,8 @@ class Render(Strict):
     normal_mapping: dict[str, None] | None = None
     specular: dict[str, None] | None = None
     antialiasing: dict[str, None] | None = None  # smooths edges
+    # Render passes of the user; the renderer imports them and validates their parameters.
+    passes: dict[Extension, dict[str, Any]] = Field(default_factory=dict)
 
     def features(self) -> list[str]:
         """Names of the optional features that the scene uses."""

@@ -117,6 +117,12 @@ class Device:
         self.context.front_face = "cw"  # the projection negates y, which reverses the winding of triangles
         self.context.depth_func = "<="  # the sky is drawn at the far plane
 
+    def set_blended_state(self) -> None:
+        """Depth test, and blending by alpha that leaves alpha, which holds the marks of antialiasing, as it is."""
+        self.context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        self.context.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
+        self.context.depth_func = "<="
+
     def release(self) -> None:
         """Frees all resources, the newest first."""
         self.context.detect_framebuffer(0).use()  # so that no deleted framebuffer stays bound

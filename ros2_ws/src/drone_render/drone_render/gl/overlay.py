@@ -61,9 +61,7 @@ class LinePass:
         outline_colors = colors[visible] ** (1.0, 1.0, 1.0, OUTLINE_EXPONENT)
         self._outlines.fill(ends, np.repeat(outline_colors, len(CIRCLE), axis=0))
         gl = self._device.context
-        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        # Alpha, which holds the marks of antialiasing, stays as it is.
-        gl.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE  # type: ignore[assignment]
+        self._device.set_blended_state()
         gl.fbo.depth_mask = False
         nearer = (1 - DEPTH_BIAS) * np.eye(4)
         nearer[:3, 3], nearer[3, 3] = DEPTH_BIAS * eye, 1.0

@@ -1,0 +1,1 @@
+"""Render passes of a user's own package; see own_render_pass.py."""
