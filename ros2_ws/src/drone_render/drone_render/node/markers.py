@@ -10,7 +10,7 @@ from drone_render.arrays import Float32s
 from drone_render.frame.lines import Shapes
 from drone_render.frame.poses import matrices
 from drone_sim.wire.cdr import ENCODING
-from drone_sim.wire.layouts import ADD, BALL, LINE_LIST, NO_MORE
+from drone_sim.wire.layouts import ADD, LINE_LIST, MARKER_TAIL, SPHERE
 
 PIXELS_PER_METER = 200  # of a line's width: other viewers scale it with distance, here it is the same near and far
 MAX_WIDTH = 8  # pixels
@@ -82,7 +82,7 @@ def read_markers(data: bytes) -> Shapes:
     reader = _Reader(data)
     markers = [marker for _ in range(reader.uint32()) if (marker := _marker(reader)).action == ADD]
     lists = [i for i, m in enumerate(markers) if m.kind == LINE_LIST and len(m.colors) in (0, len(m.points))]
-    spheres = [i for i, m in enumerate(markers) if m.kind == BALL]
+    spheres = [i for i, m in enumerate(markers) if m.kind == SPHERE]
     counts = [len(markers[i].points) // 2 for i in lists]
     ends = [markers[i].points[: 2 * count].reshape(-1, 2, 3) for i, count in zip(lists, counts, strict=True)]
     colors = [m.colors[: 2 * count : 2] if len(m.colors) else np.tile(np.array(m.color), (count, 1))
@@ -114,7 +114,7 @@ def _marker(reader: _Reader) -> Marker:
     count = reader.uint32()
     points = reader.floats("<f8", 3 * count).reshape(-1, 3)
     read = frame, kind, action, row[:7], row[7:10], row[10:], points
-    if reader.skip_if(NO_MORE):  # true for all markers of drone_sim, and fast
+    if reader.skip_if(MARKER_TAIL):  # true for all markers of drone_sim, and fast
         return Marker(*read, NO_COLORS)
     count = reader.uint32()
     colors = reader.floats("<f4", 4 * count).reshape(-1, 4)

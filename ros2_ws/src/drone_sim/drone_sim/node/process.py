@@ -9,6 +9,7 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -92,7 +93,7 @@ def run(
     """Makes a node, runs `work(node, stop)` until it returns, destroys the node; returns the exit status.
 
     name: of the node, the first word of an error. work: has to return soon after `stop` is set. An exception of the
-    types `errors` or a ParameterError becomes one line on stderr and status 1.
+    types `errors` or a ParameterError becomes one line on stderr and status 1; its traceback is logged at level debug.
     """
     stop = Stop()
     for number in end_signals:  # until the node exists a signal interrupts: compiling kernels may take a minute
@@ -111,6 +112,7 @@ def run(
     except KeyboardInterrupt:
         pass
     except expected as error:
+        get_logger(name).debug(traceback.format_exc())
         print(f"{name}: {error}", file=sys.stderr)
         return 1
     finally:

@@ -54,7 +54,6 @@ _MIDDLE = struct.Struct("<IIBxxxI")
 MARKER_TAIL = bytes(Layout().uint32(0).string("").header("").string("").uint32(0).uint32(0).string("").string("")
                     .string("").uint32(0).uint8(0).message())[len(ENCODING) :]
 _PADDED_TAIL = MARKER_TAIL + bytes((4 - len(MARKER_TAIL)) % 8)
-BALL, NO_MORE = SPHERE, MARKER_TAIL  # former names
 
 
 class MarkerLayout:
