@@ -2,7 +2,7 @@
 
 A name with a dot, `my_package.spring`, is a module that can be imported, from the environment or from the folder of the
 scene file. A name without one that is not built in is an entry point, in the group 'drone_engine.effects' for effects,
-for instance, so that an installed package can offer a short name.
+for instance, so that an installed package can offer a short name; or a module in the folder of the scene file.
 """
 
 import sys
@@ -29,6 +29,8 @@ def find(kind: str, name: str, folder: Path, known: tuple[str, ...] = (), packag
             return _module(name, folder)
         for point in entry_points(group=f"{package}.{kind}", name=name):
             return point.load()
+        if PathFinder.find_spec(name, [str(folder)]) is not None:
+            return _module(name, folder)
     except ExtensionError:
         raise
     except Exception as error:  # whatever the user's module raises while it is imported

@@ -18,7 +18,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCach
 PACKAGE = Path(__file__).parent
 FALLBACK = Path.home() / ".cache" / "drone_engine"  # where the installation is read-only
 GENERATED = "generated_stages"  # folder of the modules that program.py writes
-_IMPORT = re.compile(rb"^(?:from\s+([\w.]+)\s+import\s+\(?([\w,\s]*)|import\s+([\w.]+))", re.MULTILINE)
+_IMPORT = re.compile(rb"^(?:from[ ]+([\w.]+)[ ]+import[ ]+(?:\(([^)]*)\)|([^\n(]*))|import[ ]+([\w.]+))", re.MULTILINE)
 
 
 def _file_of(module: str) -> Path | None:
@@ -32,26 +32,31 @@ def _imports(path: Path) -> tuple[bytes, tuple[str, ...]]:
     """The text of a file, and the names of modules that it may import at top level."""
     text = path.read_bytes()
     names: list[str] = []
-    for package, members, plain in _IMPORT.findall(text):
+    for package, several, one, plain in _IMPORT.findall(text):
         module = (package or plain).decode()
-        names += [module, *(f"{module}.{name.split()[0]}" for name in members.decode().split(",") if name.strip())]
+        members = re.sub(r"#[^\n]*", "", (several or one).decode()).split(",")
+        names += [module, *(f"{module}.{name.split()[0]}" for name in members if name.strip())]
     return text, tuple(names)
 
 
 def dependencies(path: Path) -> list[Path]:
-    """A file and all files that it imports, directly or not, of drone_engine or of its own top-level package."""
+    """A file and all files that it imports, directly or not: those of the engine, of its own package, and of any module
+    that uses the engine, such as a user's effect."""
     found = [path]
-    roots = {PACKAGE, _root(path)}
-    for file in found:  # grows in the loop
+    for file in found:  # grows meanwhile
+        own = _package_of(file)
         for module in _imports(file)[1]:
             other = _file_of(module)
-            if other and other not in found and any(root in other.parents for root in roots):
+            if other and other not in found and (
+                    PACKAGE in other.parents or own in other.parents or b"drone_engine" in _imports(other)[0]):
                 found.append(other)
     return found
 
 
-def _root(path: Path) -> Path:
-    """Folder of the top-level package of a file; the file's own folder if it is in no package."""
+def _package_of(path: Path) -> Path:
+    """The folder of the top-level package that a file belongs to; the file itself if it belongs to none."""
+    if not (path.parent / "__init__.py").exists():
+        return path
     folder = path.parent
     while (folder.parent / "__init__.py").exists():
         folder = folder.parent

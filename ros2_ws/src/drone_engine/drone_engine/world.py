@@ -1,4 +1,4 @@
-"""A scene that runs: arrays, and a step that is a tuple of named stages. No ROS here.
+"""A running scene: arrays, and a step that is a tuple of stages. Knows no ROS.
 
     world = World(load("island"))
     for _ in range(300):
@@ -16,11 +16,13 @@ import numpy as np
 
 from drone_engine import effects, flight, model
 from drone_engine.arrays import Floats
+from drone_engine.behavior import Behaviors
 from drone_engine.collision.events import (
     ContactEvents,
     ContactPoints,
     Event,
     EventDetector,
+    Phase,
     TouchingPairs,
     all_touches,
     concatenated,
@@ -70,12 +72,12 @@ Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rat
 
 
 class World:
-    """One scene with its state. Two worlds of one scene that get the same commands stay equal bit for bit."""
+    """A scene with its state. Two worlds of one scene that get the same commands stay equal, bit for bit."""
 
     def __init__(self, scene: Scene, timed: bool = False) -> None:
-        """Raises SceneError for effects that do not exist, and mesh.MeshError for models that cannot be read.
+        """timed: measures the stages, for `stage_times`; the motion is the same.
 
-        timed: reads a clock between any two stages, for stage_times; the motion is the same.
+        Raises SceneError for effects and extensions that do not exist, and MeshError for models that cannot be read.
         """
         self.scene = scene
         self._timed = timed
@@ -102,11 +104,14 @@ class World:
         self.effects = {name: effects.effect(name, self.scene).build(p, context) for name, p in active.items()}
         flying = len(m.drones.body) > 0
         # Flight models push against the air, so they come after the effects that move it.
+        self.behaviors = Behaviors(context, self.scene, self)
         built = [*(stages for name, stages in self.effects.items() if name in moves_air),
                  *([flight.build(context, self.scene)] if flying else []),
                  *(stages for name, stages in self.effects.items() if name not in moves_air)]
+        called = self.behaviors.stages
         self.force_program = self._program("force", [
-            context.stage("clear forces", clear_forces), *(stage for each in built for stage in each.force)])
+            context.stage("clear forces", clear_forces), *called.force,
+            *(stage for each in built for stage in each.force)])
         self.substep_program = self._program("substep", [stage for each in built for stage in each.substep])
         self.motion = Motion(dynamics.integrator, context, self.force_program, self.substep_program, dynamics.passes)
         self._isolated = m.bodies.solid.sum() + len(m.planes) < 2  # nothing can touch anything
@@ -114,7 +119,7 @@ class World:
             effects.unsteady(name, self.scene) for name in active)
         self.sleep = Sleep(context, self.detection) if may_sleep else None
 
-        self._before = [context.stage("commands", age)] if flying else []
+        self._before = [*called.step, *([context.stage("commands", age)] if flying else [])]
         self._before += [stage for each in built for stage in each.step]
         self._after = [self.sleep.falling_asleep] if self.sleep else []
         if flying and not self._isolated:
@@ -142,44 +147,47 @@ class World:
         return Program(stages)
 
     def step(self, commands: Mapping[str, Command] = {}) -> None:
-        """One physics step. commands: by drone, those that came since the last step. Raises ValueError."""
+        """One physics step. commands: by drone name, those given since the last step. Raises ValueError, and
+        BehaviorError for what a behavior of the scene does wrong."""
         for name, command in commands.items():
             self.command(name, command)
         self.run(1)
 
     def run(self, steps: int) -> None:
-        """Many steps with the commands given last, without returning to Python where the scene allows it."""
+        """Many steps with the last commands, without returning to Python between them where the scene allows that.
+        Raises BehaviorError."""
         if not self._ready:
             self.compile()
         self.program.run(steps)
 
     def detect(self) -> None:
-        """Finds the contacts of the state as it is, as a step does before it moves anything."""
+        """Finds the contacts of the present state, as a step does before the motion."""
         if not self._ready:
             self.compile()
         if not self._isolated:
             self.program.run_through(self.detection.keep, self.detection.warm_start)
 
     def command(self, drone: str, command: Command) -> None:
-        """Gives a drone its velocity for the next SILENCE s. Raises ValueError for one that is not finite."""
-        x, y, z, turn = command
-        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= turn <= LIMIT):
+        """Sets the velocity of a drone, in its heading frame, for the next SILENCE s. Raises ValueError for numbers
+        that are not finite and for unknown drones."""
+        x, y, z, yaw_rate = command
+        if not (-LIMIT <= x <= LIMIT and -LIMIT <= y <= LIMIT and -LIMIT <= z <= LIMIT and -LIMIT <= yaw_rate <= LIMIT):
             if not all(map(math.isfinite, command)):
                 raise ValueError(f"{drone}: a command needs four finite numbers, got {command}")
-            x, y, z, turn = (min(max(part, -LIMIT), LIMIT) for part in command)
+            x, y, z, yaw_rate = (min(max(part, -LIMIT), LIMIT) for part in command)
         inputs = self._inputs.get(drone)
         if inputs is None:
             raise ValueError(f"no drone is called '{drone}'; there are {', '.join(self._inputs) or 'none'}")
-        body, told, silence = inputs
-        told[0], told[1], told[2], told[3] = x, y, z, turn
-        silence[0] = -1  # which the next step makes 0
-        if self.sleep and any(command) and self.detection.sleeping[body]:
-            self.sleep.wake(np.array([body]))
+        body, stored, silence = inputs
+        stored[0], stored[1], stored[2], stored[3] = x, y, z, yaw_rate
+        silence[0] = -1  # the next step makes it 0
+        if any(command):
+            self.wake(body)
 
     def set_collision_level(self, level: str, a: str = "", b: str = "") -> None:
-        """Changes the level that objects meet at: a pair, one with all others, or all that say nothing of their own.
+        """Sets the collision level of a pair of objects, of one object, or the default (neither a nor b).
 
-        level: sphere, obb, octree or triangle. Holds until the scene is reset. Raises ValueError, and mesh.MeshError.
+        level: sphere, obb, octree or triangle. Valid until the scene is reset. Raises ValueError and MeshError.
         """
         if level not in TESTED:
             raise ValueError(f"level: expected one of {', '.join(TESTED)}, got '{level}'")
@@ -204,7 +212,7 @@ class World:
         self.compile()
 
     def reset(self) -> None:
-        """Back to the start, as if just loaded."""
+        """Returns to the start, as if just loaded."""
         self.state.assign(self._start)
         bodies = self.model.bodies
         self.forces.inverse_mass[:], self.forces.inertia[:] = bodies.inverse_mass, bodies.inertia_b
@@ -214,9 +222,10 @@ class World:
         if self.detection.levels.clear():
             self.detection.prepare()
             self._assemble()
+        self.behaviors.reset()
 
     def compile(self, report: Callable[[int, int, str], None] = lambda done, total, name: None) -> None:
-        """Compiles all kernels of the step, telling which comes next, and leaves the world as it is."""
+        """Compiles all kernels of the step, without a step. report: called with (done, total, next stage)."""
         programs = (self.force_program, self.substep_program, self.program)
         total, done = sum(not stage.timer for each in programs for stage in each.stages), count()
         for program in programs:
@@ -243,8 +252,8 @@ class World:
         return int(self.state.step[0]) * self.dt
 
     def contact_counts(self) -> dict[str, int]:
-        """By level: the contacts of bodies that touch, or are about to, or do so in their sleep; those of meshes may be
-        several a pair."""
+        """Number of manifolds per collision level, speculative and sleeping ones included; meshes may have several per
+        pair."""
         found = self.detection.manifolds
         asleep = self.sleep.touching if self.sleep else NOTHING
         level = np.concatenate([found.level[: found.count], asleep.level])
@@ -252,7 +261,7 @@ class World:
 
     @property
     def events(self) -> list[Event]:
-        """What began, went on and ended to touch in the last step."""
+        """Begin, persist and end events of the contacts of the last step."""
         return event_list(self.contact_events)
 
     @property
@@ -262,12 +271,12 @@ class World:
 
     @property
     def contacts(self) -> ContactPoints:
-        """Where bodies touch, those asleep as well."""
+        """The contact points of touching bodies, sleeping ones included."""
         m = self.detection.manifolds
         count, touch = m.count, np.empty((m.count, 5))
         all_touches(count, m.points, m.point_w, m.separation, m.total, touch)
         asleep = self.sleep.contacts if self.sleep else None
-        if asleep is not None:  # those that fell asleep in this step are in both
+        if asleep is not None:  # bodies that fell asleep in this step are in both
             sleeping = self.model.bodies.movable & ~self.state.is_awake
             touch[sleeping[m.pair[:count]].any(axis=1), 3:] = -np.inf
         now = contact_points(m.pair[:count], m.points[:count], m.normal_w[:count], m.anchor_w[:count],
@@ -285,6 +294,18 @@ class World:
             raise ValueError(f"no body is called '{name}'; there are {', '.join(names) or 'none'}")
         pose: Floats = self.object_poses()[names.index(name)]
         return pose
+
+    def wake(self, body: int) -> None:
+        """Wakes a body, by its index, and the bodies that it rests on or that rest on it."""
+        if self.sleep and self.detection.sleeping[body]:
+            self.sleep.wake(np.array([body]))
+
+    def touching(self, body: int) -> tuple[str, ...]:
+        """Names of the bodies that touched a body, given by its index, in the last step."""
+        events = self.contact_events
+        pair = np.stack([events.pairs.key >> 32, events.pairs.key & 0xFFFFFFFF], axis=1)
+        mine = pair[(pair == body).any(axis=1) & (events.phase != Phase.END)]
+        return tuple(self.model.bodies.names[other] for other in mine[mine != body])
 
 
 def _names(program: Program) -> list[str]:

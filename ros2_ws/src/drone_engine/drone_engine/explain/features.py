@@ -6,7 +6,7 @@ from typing import NamedTuple, get_args
 from drone_engine import effects
 from drone_engine.collision_level import LEVELS, TESTED
 from drone_engine.scene.picture import Render
-from drone_engine.scene.schema import Dynamics, Flight
+from drone_engine.scene.schema import FLIGHT_MODELS, Dynamics
 from drone_engine.world import World
 
 FEEL_THE_AIR = ("drag", "linear_drag", "ground_effect", "rotor drag")  # stages
@@ -44,7 +44,7 @@ def _effects(world: World) -> Iterator[Feature]:
 
 def _flight(world: World) -> Iterator[Feature]:
     objects = world.scene.objects
-    for kind in get_args(Flight.model_fields["model"].annotation):
+    for kind in FLIGHT_MODELS:
         drones = [name for name, thing in objects.items() if thing.flight and thing.flight.model == kind]
         why = few(drones) or ("no drone flies by it" if world.model.drones.body.size else "no drone in the scene")
         yield Feature("flight", kind, bool(drones), why)

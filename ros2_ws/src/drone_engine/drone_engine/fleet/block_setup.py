@@ -63,5 +63,7 @@ def why_not_in_blocks(world: World) -> str:
         return "the flight model is not 'quadrotor'"
     if scene.dynamics.integrator not in INTEGRATORS:
         return f"the integrator is '{scene.dynamics.integrator}', not one of {', '.join(INTEGRATORS)}"
+    if any(thing.behavior or (thing.flight and thing.flight.controller) for thing in scene.objects.values()):
+        return "an object has a behavior or a controller"
     other = [name for name in scene.effects if name not in IN_BLOCKS]
     return f"the scene has the effect '{other[0]}'" if other else ""

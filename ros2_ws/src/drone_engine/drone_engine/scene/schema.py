@@ -15,7 +15,7 @@ from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError, model_v
 from drone_engine.scene import files, validation
 from drone_engine.scene.airframe import Airframe
 from drone_engine.scene.errors import SceneError, first_error, quoted
-from drone_engine.scene.fields import FOUND, ORIGIN, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector
+from drone_engine.scene.fields import FOUND, ORIGIN, Extension, Mass, Name, Pose, Rate, Strict, Topic, Unit, Vector
 from drone_engine.scene.picture import Camera, Light, Render
 from drone_engine.scene.shorthand import as_json
 from drone_engine.scene.strict_yaml import read_yaml
@@ -68,10 +68,15 @@ class Dynamics(Strict):
     sleep: bool = True  # whether bodies at rest are skipped until something touches them
 
 
+FLIGHT_MODELS = ("direct", "quadrotor")  # built in
+
+
 class Flight(Strict):
     """Makes an object a drone: the topic of its commands, and its limits."""
 
-    model: Literal["direct", "quadrotor"] = "direct"
+    model: Extension = "direct"  # one of FLIGHT_MODELS, or a user's own
+    parameters: dict[str, Any] = Field(default_factory=dict)  # of a user's own flight model, which validates them
+    controller: dict[Extension, dict[str, Any]] = Field(default_factory=dict)  # a user's own; gives the commands
     cmd_vel: Topic = "cmd_vel"
     max_speed: PositiveFloat = 8.0  # m/s
     max_acceleration: PositiveFloat = 8.0  # m/s^2, in addition to hovering
@@ -82,6 +87,10 @@ class Flight(Strict):
     def _airframe(self) -> Self:
         if self.quadrotor and self.model != "quadrotor":
             raise ValueError("'quadrotor' needs 'model: quadrotor'")
+        if self.parameters and self.model in FLIGHT_MODELS:
+            raise ValueError(f"'parameters' are of a flight model of your own, not of '{self.model}'")
+        if len(self.controller) > 1:
+            raise ValueError(f"controller: expected one, got {', '.join(self.controller)}")
         return self
 
 
@@ -114,6 +123,7 @@ class Object(Strict):
     flight: Flight | None = None
     rotor: Rotor | None = None
     patrol: Patrol | None = None
+    behavior: dict[Extension, dict[str, Any]] = Field(default_factory=dict)  # a user's own objects, called every step
     shading: Literal["lit", "water"] = "lit"
 
     @model_validator(mode="after")
@@ -125,6 +135,8 @@ class Object(Strict):
             raise ValueError("has a 'parent', so 'static', 'mass', 'collision' and 'flight' must be set there")
         if self.flight and self.static:
             raise ValueError("'flight' needs an object that moves")
+        if self.behavior and (self.parent is not None or self.static):
+            raise ValueError("'behavior' needs an object that moves, so one with 'mass'")
         if self.patrol and not self.flight:
             raise ValueError("'patrol' needs 'flight'")
         if self.rotor and self.parent is None:
@@ -144,7 +156,7 @@ class Scene(Strict):
     rates: Rates = Rates()
     collision: Collision = Collision()
     dynamics: Dynamics = Dynamics()
-    effects: dict[Name, dict[str, Any]] = Field(default_factory=dict)
+    effects: dict[Extension, dict[str, Any]] = Field(default_factory=dict)
     render: Render = Render()
     objects: dict[Name, Object]
     lights: dict[Name, Light] = Field(default_factory=dict)
