@@ -31,10 +31,13 @@ API = {
                                            "drone_render.film"]),
     "reference/effects.md": ("Effects", ["drone_engine.effects"]),
     "reference/flight.md": ("Flight", ["drone_engine.flight"]),
+    "reference/extensions.md": ("Extensions", [
+        "drone_engine.behavior", "drone_engine.context", "drone_engine.extension"]),
 }
 # Packages whose modules are listed in full, kernels included.
 INTERNALS = ["collision", "dynamics", "geometry", "math", "program"]
 
+_FOLDER_LINK = re.compile(r"\[([^\]]*)\]\(([^)\s]+/)\)")
 _LINK = re.compile(r"""(\]\(|(?:src|href)=")([^)\s"#]+)""")
 
 
@@ -63,7 +66,11 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             return match[0]
         return match[1] + relpath(target, PurePosixPath(page.file.src_uri).parent)
 
-    return _LINK.sub(replace, markdown)
+    def text_of_folder(match: re.Match[str]) -> str:
+        inside, target = _resolve(page.file.src_uri, match[2])
+        return match[0] if inside or not target else match[1]
+
+    return _LINK.sub(replace, _FOLDER_LINK.sub(text_of_folder, markdown))
 
 
 def _links(markdown: str) -> list[str]:
