@@ -31,7 +31,7 @@ MANY_PARAMETERS = {
     "dynamics/contact_motion.py:meet": "to be grouped",
     "flight/control.py:loops": "scalars only: a SIMD leaf",
     "flight/control.py:rates": "scalars only: a SIMD leaf",
-    "flight/pilot.py:wish": "scalars only: a SIMD leaf",
+    "flight/pilot.py:guidance": "scalars only: a SIMD leaf",
 }
 
 

@@ -31,8 +31,8 @@ from drone_engine.fleet.layout import (
 )
 from drone_engine.flight.control import lift, rotor_drag
 from drone_engine.flight.craft import craft
-from drone_engine.flight.pilot import SILENCE, wish
-from drone_engine.flight.rotors import turned_on
+from drone_engine.flight.pilot import SILENCE, guidance
+from drone_engine.flight.rotors import advance_angle
 from drone_engine.kernel import inlined, kernel
 
 
@@ -49,7 +49,7 @@ def track_commands(block, n, constants):
         vx, vy, vz = load3(block, VELOCITY, k)
         cx, cy, cz, turn = load4(block, COMMAND, k)
         hx, hy, hz = load3(block, HOLD, k)
-        wx, wy, wz, turn, hx, hy, hz = wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn,
+        wx, wy, wz, turn, hx, hy, hz = guidance(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn,
                                             silence * dt >= SILENCE, hx, hy, hz, max_speed, max_yaw_rate)
         store4(block, TARGET, k, wx, wy, wz, turn)
         store3(block, HOLD, k, hx, hy, hz)
@@ -81,5 +81,5 @@ def rotate_rotors(block, n, constants):
     for k in range(n):
         s0, s1, s2, s3 = load4(block, ROTOR_SPEED, k)
         a0, a1, a2, a3 = load4(block, ROTOR_ANGLE, k)
-        store4(block, ROTOR_ANGLE, k, turned_on(a0, c.s0 * s0, dt), turned_on(a1, c.s1 * s1, dt),
-               turned_on(a2, c.s2 * s2, dt), turned_on(a3, c.s3 * s3, dt))
+        store4(block, ROTOR_ANGLE, k, advance_angle(a0, c.s0 * s0, dt), advance_angle(a1, c.s1 * s1, dt),
+               advance_angle(a2, c.s2 * s2, dt), advance_angle(a3, c.s3 * s3, dt))

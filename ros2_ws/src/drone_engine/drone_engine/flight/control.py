@@ -1,9 +1,9 @@
-"""A quadrotor's loops, from the wanted velocity to the rates of its rotors, and what these do to it.
+"""Cascaded control of a quadrotor, from the wanted velocity to rotor rates, and the forces of the rotors.
 
-Cascade as in PX4 and Lee, Leok and McClamroch 2010 (Geometric Tracking Control of a Quadrotor UAV on SE(3)): a wanted
-acceleration gives the thrust and where the body's z axis is to point, the error of that axis the wanted body rates,
-and their error the torque. All functions take and return numbers and have no branches, so that many drones can be
-reckoned at once.
+The cascade is that of PX4 and of Lee, Leok and McClamroch 2010 (Geometric Tracking Control of a Quadrotor UAV on
+SE(3)): the wanted acceleration gives the thrust and the wanted direction of the body's z axis, the error of that axis
+gives the wanted body rates, and the error of the rates gives the torque. All functions take and return numbers and
+have no branches, so that the compiler can vectorize loops over many drones. Frames: _w the world, _b the body.
 """
 
 import math
@@ -12,22 +12,25 @@ from drone_engine.effects import STABLE
 from drone_engine.kernel import inlined
 from drone_engine.math.rotation import matrix
 
-UPWARDS = 0.95  # of the acceleration that is allowed, which goes to height before all else; what is left, sideways
-LEAST_LIFT = 2.0  # m/s^2 that the rotors lift upwards whatever is wanted, so that the drone can be steered
-TURN_RATE = 5.0  # rad/s of roll and of pitch, at most
-SPIN = 4.0  # rad/s of yaw at which it is half of that: a top turns over slowly
-FLAT = 0.02  # of 1 + cos(error), below which the drone counts as upside down
-STARTLED = 2.0  # m/s from one control to the next that are no push, but a collision or another place
+MAX_VERTICAL = 0.95  # largest share of max_acceleration for the vertical, which has priority over the horizontal
+MIN_LIFT = 2.0  # m/s^2 of upward thrust per mass that is always kept, so that the attitude can be controlled
+MAX_TILT_RATE = 5.0  # rad/s, of roll and of pitch
+HALF_RATE_YAW = 4.0  # rad/s, yaw rate at which the limit of roll and pitch is half: a fast spin resists tilting
+UPSIDE_DOWN = 0.02  # 1 + cos(error of the z axis) below which the drone counts as upside down
+JUMP = 2.0  # m/s between two controls: more is a collision or a new position, not a disturbance to estimate
 
 
 @inlined
 def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, ex, ey, ez, px, py, pz, weight):
-    """The rates that the rotors are to have, rad/s, and e and p for the next time. q, v, a: orientation, velocity and
-    angular velocity in the world; w: the wanted velocity; e: the one expected, p: what pushes the drone beside rotors
-    and weight, m/s^2, all world; weight: to carry, m/s^2."""
+    """The commanded rates of the four rotors (rad/s), and e and p for the next call.
+
+    c: Craft; q: orientation x y z w; v, a: velocity (m/s) and angular velocity (rad/s); w, yaw_rate: the wanted ones;
+    e: predicted velocity (m/s; NaN: none); p: estimated disturbance, the acceleration by other forces than thrust and
+    weight (m/s^2); weight: gravity to carry (m/s^2). All vectors in the world. Scalars only: a SIMD leaf.
+    """
     m = matrix(qx, qy, qz, qw)
     ex, ey, ez = vx - ex, vy - ey, vz - ez
-    lost = not ex * ex + ey * ey + ez * ez < STARTLED * STARTLED
+    lost = not ex * ex + ey * ey + ez * ez < JUMP * JUMP
     px, py, pz = 0.0 if lost else px, 0.0 if lost else py, 0.0 if lost else pz
     ex, ey, ez = 0.0 if lost else ex, 0.0 if lost else ey, 0.0 if lost else ez
     thrust, tx, ty, tz = loops(c, m, vx, vy, vz, m[0] * ax + m[3] * ay + m[6] * az,
@@ -35,7 +38,7 @@ def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, ex, e
                                wx, wy, wz, yaw_rate, px, py, pz, weight)
     f0, f1, f2, f3 = mix(c, thrust, tx, ty, tz)
 
-    # An observer of the velocity: where it differs from what thrust and weight explain, something pushes.
+    # Disturbance observer: the velocity that thrust and weight do not explain is due to another force.
     lifted = c.per_mass * (f0 + f1 + f2 + f3)
     k, u = c.h, c.watch_velocity
     nx = vx - ex + k * (lifted * m[2] + px) + u * ex
@@ -49,35 +52,36 @@ def rates(c, qx, qy, qz, qw, vx, vy, vz, ax, ay, az, wx, wy, wz, yaw_rate, ex, e
 
 @inlined
 def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, px, py, pz, weight):
-    """Thrust in N and torques in N m about the body's axes.
+    """Thrust (N) and torques about the body's axes (N m).
 
-    m: its rotation matrix, row by row; v, w: velocity and the wanted one, world; b: body rates; p: what pushes it,
-    weight: to carry, both m/s^2.
+    c: Craft; m: rotation matrix, row by row; v, w: velocity and wanted velocity, m/s, world; b: body rates, rad/s; p:
+    disturbance to cancel, weight: gravity to carry, both m/s^2. Scalars only: a SIMD leaf.
     """
     k, most = c.velocity_gain, c.max_acceleration
-    fx, fy, fz = k * (wx - vx), k * (wy - vy), min(max(k * (wz - vz), -UPWARDS * most), UPWARDS * most)
+    fx, fy, fz = k * (wx - vx), k * (wy - vy), min(max(k * (wz - vz), -MAX_VERTICAL * most), MAX_VERTICAL * most)
     across, reach = math.sqrt(fx * fx + fy * fy), math.sqrt(most * most - fz * fz)
     scale = reach / across if across > reach else 1.0
-    fx, fy, fz = fx * scale - px, fy * scale - py, max(fz + weight - pz, LEAST_LIFT)
+    fx, fy, fz = fx * scale - px, fy * scale - py, max(fz + weight - pz, MIN_LIFT)
     across, reach = math.sqrt(fx * fx + fy * fy), c.steepest * fz
     scale = reach / across if across > reach else 1.0
     fx, fy = fx * scale, fy * scale
-    # The body's z axis is to point along f: the rates are 2 tan(error / 2), in the plane of the two.
+    # The body's z axis has to point along f: the wanted rates are 2 tan(error / 2), in the plane of the two.
     along, length = fx * m[2] + fy * m[5] + fz * m[8], math.sqrt(fx * fx + fy * fy + fz * fz)
     ex, ey, ez = m[5] * fz - m[8] * fy, m[8] * fx - m[2] * fz, m[2] * fy - m[5] * fx
-    upright = along + length > FLAT * length
+    upright = along + length > UPSIDE_DOWN * length
     scale = 2.0 * c.attitude_gain / (along + length) if upright else 0.0
-    rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if upright else TURN_RATE
+    rx = scale * (m[0] * ex + m[3] * ey + m[6] * ez) if upright else MAX_TILT_RATE
     ry = scale * (m[1] * ex + m[4] * ey + m[7] * ez)
-    fastest = TURN_RATE / (1.0 + bz * bz / (SPIN * SPIN))
+    fastest = MAX_TILT_RATE / (1.0 + bz * bz / (HALF_RATE_YAW * HALF_RATE_YAW))
     rx, ry = min(max(rx, -fastest), fastest), min(max(ry, -fastest), fastest)
-    ahead_x, ahead_y = bz * ry, -bz * rx  # what is wanted stands still while the body turns
+    # Feed-forward: the wanted direction is fixed in the world while the body rotates.
+    ahead_x, ahead_y = bz * ry, -bz * rx
     rx, ry, rz = rx + yaw_rate * m[6], ry + yaw_rate * m[7], yaw_rate * m[8]
 
-    # Torque for the wanted change of rates, and against the gyroscopic one of rates that are wanted at all: in a wild
-    # spin that would take all that the rotors have, and the spin would stay.
-    gx, gy = min(max(bx, -TURN_RATE), TURN_RATE), min(max(by, -TURN_RATE), TURN_RATE)
-    gz = min(max(bz, -TURN_RATE), TURN_RATE)
+    # Torque for the wanted change of rates, plus compensation of the gyroscopic torque, limited to rates in the normal
+    # range: in a fast spin the full compensation would saturate the rotors, and the spin would not end.
+    gx, gy = min(max(bx, -MAX_TILT_RATE), MAX_TILT_RATE), min(max(by, -MAX_TILT_RATE), MAX_TILT_RATE)
+    gz = min(max(bz, -MAX_TILT_RATE), MAX_TILT_RATE)
     return (c.mass * max(along, 0.0),
             c.ix * (c.rate_gain * (rx - bx) + ahead_x) + (c.iz - c.iy) * gy * gz,
             c.iy * (c.rate_gain * (ry - by) + ahead_y) + (c.ix - c.iz) * gz * gx,
@@ -86,10 +90,10 @@ def loops(c, m, vx, vy, vz, bx, by, bz, wx, wy, wz, yaw_rate, px, py, pz, weight
 
 @inlined
 def mix(c, thrust, tx, ty, tz):
-    """The four rotors' thrusts, N, each between c.least and c.most.
+    """Mixes thrust (N) and body torques (N m) into the four rotors' thrusts (N), each within c.least and c.most.
 
-    What is too much is given up in this order: yaw but for a little, without which a spin would stay; then thrust; then
-    roll, pitch and that little.
+    On saturation, priorities are: roll, pitch and a little yaw torque, enough to end a spin; then thrust; then the rest
+    of the yaw torque. c: Craft.
     """
     little = min(max(tz, -c.little_yaw), c.little_yaw)
     tz -= little
@@ -112,13 +116,14 @@ def mix(c, thrust, tx, ty, tz):
 
 @inlined
 def _room(c, thrust, more):
-    """By how much a rotor's thrust can change in the direction of `more`, N."""
+    """Margin of a rotor's thrust (N) in the direction of the change `more`. c: Craft."""
     return c.most - thrust if more > 0.0 else thrust - c.least
 
 
 @inlined
 def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
-    """The rotors' thrusts at these rates (rad/s), N; their force and torque on the drone in the world."""
+    """The four rotors' thrusts (N) at the rates n0 to n3 (rad/s), and their force (N) and torque (N m) on the drone in
+    the world: ten numbers. c: Craft; q: orientation x y z w."""
     k, m = c.thrust_coefficient, matrix(qx, qy, qz, qw)
     f0, f1, f2, f3 = k * n0 * n0, k * n1 * n1, k * n2 * n2, k * n3 * n3
     total = f0 + f1 + f2 + f3
@@ -131,10 +136,9 @@ def lift(c, qx, qy, qz, qw, n0, n1, n2, n3):
 
 @inlined
 def rotor_drag(c, qx, qy, qz, qw, n0, n1, n2, n3, vx, vy, vz, h):
-    """What flying across the rotors' axes costs, N in the world: -rate c v of each (Martin and Salaun 2010, The True
-    Role of Accelerometer Feedback in Quadrotor Control); less than stops the drone within a sub-step of h s.
-
-    v: through the air.
+    """The drag of four rotors on motion across their axes: -rate c v of each, force (N) in the world (Martin and Salaun
+    2010, The True Role of Accelerometer Feedback in Quadrotor Control); limited, so that it does not reverse the motion
+    within a sub-step of h s. c: Craft; q: orientation; n0 to n3: rates, rad/s; v: velocity through the air, m/s, world.
     """
     m = matrix(qx, qy, qz, qw)
     rate = min(c.rotor_drag * (n0 + n1 + n2 + n3), STABLE * c.mass / h)

@@ -1,7 +1,7 @@
-"""The flight model 'direct': a force towards the wanted velocity, and a torque that leans into it.
+"""The flight model 'direct': a force towards the wanted velocity, and a torque that tilts the drone accordingly.
 
-Cheap and forgiving, like a game's. It carries the drone's weight, limits acceleration to what the scene allows,
-and is a force like any other: what stands in the way wins.
+It is cheap and easy to fly, as in a game. It carries the drone's weight and limits the acceleration to that of the
+scene. It is a force like any other, so that a contact stops the drone.
 """
 
 import math
@@ -16,15 +16,20 @@ from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix, rotate
 
 RESPONSE = 0.25  # s in which a difference in velocity falls to 1/e
-LEAN = 0.5  # of the tilt that a quadrotor would need for the same acceleration
+TILT = 0.5  # of the tilt that a quadrotor would need for the same acceleration
 ATTITUDE_FREQUENCY = 8.0  # rad/s, critically damped
 
 
 @kernel
-def steer(drone, orientation, velocity, angular_velocity, drone_body, mass, body_inertia, max_acceleration, wanted,
-          landed, weight, dt, push):
-    """Writes the force (N) and torque (N m) of k drones, (k, 2, 3) in the world, for the coming step. `weight` is the
-    gravity to carry, m/s^2."""
+def velocity_control(drone, orientation, velocity, angular_velocity, drone_body, mass, body_inertia, max_acceleration,
+                     wanted, landed, weight, dt, push):
+    """Writes the force (N) and torque (N m) of k drones for the coming step, push (k, 2, 3), in the world; 0 for
+    landed ones.
+
+    drone: (k,) indices; drone_body, max_acceleration (m/s^2), landed: (d,); orientation, velocity, angular_velocity,
+    mass, body_inertia: of n bodies; wanted: (d, 4) velocity (m/s, world) and yaw rate; weight: gravity to carry,
+    m/s^2; dt: s.
+    """
     for k in range(drone.shape[0]):
         d = drone[k]
         i = drone_body[d]
@@ -38,9 +43,9 @@ def steer(drone, orientation, velocity, angular_velocity, drone_body, mass, body
         push[k, 0, 1] = mass[i] * ay
         push[k, 0, 2] = mass[i] * (az + weight)
 
-        # Attitude: body z towards the lean, damped; the gains are what the step length can follow.
+        # Attitude: the body's z axis towards the tilt, damped; gains are limited to what the step length allows.
         frequency = min(ATTITUDE_FREQUENCY, 0.3 / dt)
-        ux, uy, uz = LEAN * ax, LEAN * ay, 9.81
+        ux, uy, uz = TILT * ax, TILT * ay, 9.81
         scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz)
         q = orientation[i]
         m = matrix(q[0], q[1], q[2], q[3])
@@ -61,8 +66,9 @@ def steer(drone, orientation, velocity, angular_velocity, drone_body, mass, body
 
 
 @kernel
-def add(drone, drone_body, push, force, torque):
-    """Adds what `steer` wrote to the forces on the bodies."""
+def apply_push(drone, drone_body, push, force, torque):
+    """Adds the forces and torques of k drones, push (k, 2, 3), to force (N) and torque (N m), (n, 3). drone: (k,);
+    drone_body: (d,)."""
     for k in range(drone.shape[0]):
         for c in range(3):
             force[drone_body[drone[k]], c] += push[k, 0, c]
@@ -70,8 +76,9 @@ def add(drone, drone_body, push, force, torque):
 
 
 @kernel
-def share(place, push, rotor_drone, thrust):
-    """Writes to thrust (r,) the lift of each drone over its rotors; place: (d,) where a drone is among those here."""
+def share_thrust(place, push, rotor_drone, thrust):
+    """Writes thrust (r,), N: the lift of each drone in equal parts over its rotors. place: (d,) row of a drone in push
+    (k, 2, 3), -1 for other models; rotor_drone: (r,)."""
     for r in range(rotor_drone.shape[0]):
         k = place[rotor_drone[r]]
         if k >= 0:
@@ -82,11 +89,12 @@ def share(place, push, rotor_drone, thrust):
 
 
 def build(context: Context, drone: Integers, wanted: Floats, weight: float) -> Stages:
-    """drone: (k,) those of this model; wanted: (d, 4) velocity in the world, yaw rate; weight: m/s^2 to carry."""
+    """The stages of the drones with this flight model. drone: (k,) their indices; wanted: (d, 4) velocity (m/s, world)
+    and yaw rate; weight: gravity to carry, m/s^2."""
     push = np.zeros((len(drone), 2, 3))
-    step = [context.stage("direct", steer, drone=drone, wanted=wanted, weight=weight, push=push)]
+    step = [context.stage("direct", velocity_control, drone=drone, wanted=wanted, weight=weight, push=push)]
     if needs_thrust(context.active):
         place = np.full(len(context.model.drones.body), -1, np.int64)
         place[drone] = np.arange(len(drone))
-        step.append(context.stage("thrust", share, place=place, push=push))
-    return Stages(step=tuple(step), force=(context.stage("flight", add, drone=drone, push=push),))
+        step.append(context.stage("thrust", share_thrust, place=place, push=push))
+    return Stages(step=tuple(step), force=(context.stage("flight", apply_push, drone=drone, push=push),))

@@ -1,6 +1,6 @@
-"""What every flight model has in common: the velocity that a drone is to have, and whether it has landed.
+"""The part that all flight models share: the wanted velocity of a drone, and whether it has landed.
 
-After SILENCE without a command the drone stops and holds its position; at rest on a support without a command it
+After SILENCE without a command the drone stops and holds its position. At rest on a support and without a command it
 lands, and its rotors stop until the next command.
 """
 
@@ -13,27 +13,32 @@ from drone_engine.context import Context
 from drone_engine.kernel import inlined, kernel
 from drone_engine.program.stage import Stage
 
-SILENCE = 0.5  # s of simulated time after which a command is over
-STILL = 0.1  # m/s under which a drone counts as at rest
-HOLD_SPEED = 1.0  # m/s at most, back to the position that is held, at 1 m/s for each m
-LEVEL = 1e-12  # squared length of the nose's shadow under which a drone has no heading
+SILENCE = 0.5  # s of simulated time after which a command times out
+STILL = 0.1  # m/s below which a drone counts as at rest
+HOLD_SPEED = 1.0  # m/s, largest speed back to the held position; below it, 1 m/s per m of distance
+NO_HEADING = 1e-12  # squared horizontal length of the body's x axis below which a drone has no heading
 
 
 @inlined
 def limited(x, y, z, limit):
-    """The vector, no longer than the limit."""
+    """The vector (x, y, z), shortened to the limit if it is longer."""
     length = math.sqrt(x * x + y * y + z * z)
     scale = limit / length if length > limit else 1.0
     return x * scale, y * scale, z * scale
 
 
 @inlined
-def wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, hy, hz, max_speed, max_yaw_rate):
-    """The wanted velocity in the world and yaw rate, and where the drone holds. p, q, v: where it is, orientation and
-    velocity; c, turn: the command, which turns with the heading, not with the tilt. No branches."""
-    nx, ny = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy + qz * qw)  # the nose's shadow
+def guidance(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, hy, hz, max_speed, max_yaw_rate):
+    """The wanted velocity (m/s, world), yaw rate (rad/s) and hold position (m; NaN: none): seven numbers.
+
+    p, q, v: position, orientation x y z w and velocity in the world; c, turn: commanded velocity in the heading frame
+    (m/s) and yaw rate (rad/s); silent: whether the command has timed out; h: hold position. Scalars only and no
+    branches: a SIMD leaf.
+    """
+    # Heading: the body's x axis, projected on the ground plane.
+    nx, ny = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy + qz * qw)
     square = nx * nx + ny * ny
-    scale = 1.0 / math.sqrt(square) if square > LEVEL else 0.0
+    scale = 1.0 / math.sqrt(square) if square > NO_HEADING else 0.0
     nx, ny = nx * scale, ny * scale
     arrived = silent & (hx != hx) & (vx * vx + vy * vy + vz * vz < STILL * STILL)
     hx = px if arrived else hx if silent else np.nan
@@ -41,7 +46,7 @@ def wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, h
     hz = pz if arrived else hz if silent else np.nan
     holding = hx == hx
     cx, cy, cz = limited(cx, cy, cz, max_speed)
-    bx, by, bz = limited(hx - px, hy - py, hz - pz, min(max_speed, HOLD_SPEED))  # back
+    bx, by, bz = limited(hx - px, hy - py, hz - pz, min(max_speed, HOLD_SPEED))  # towards the hold position
     yaw_rate = 0.0 if silent else min(max(turn, -max_yaw_rate), max_yaw_rate)
     return (bx if holding else 0.0 if silent else cx * nx - cy * ny,
             by if holding else 0.0 if silent else cx * ny + cy * nx,
@@ -49,9 +54,14 @@ def wish(px, py, pz, qx, qy, qz, qw, vx, vy, vz, cx, cy, cz, turn, silent, hx, h
 
 
 @kernel
-def guide(position, orientation, velocity, drone_body, max_speed, max_yaw_rate, command, silence, hold, landed, dt,
-          wanted):
-    """Writes the wanted velocity (m/s, world) and yaw rate (rad/s) of d drones, (d, 4); commands end the landing."""
+def command_to_velocity(position, orientation, velocity, drone_body, max_speed, max_yaw_rate, command, silence, hold,
+                        landed, dt, wanted):
+    """Writes the wanted velocity (m/s, world) and yaw rate (rad/s) of d drones, wanted (d, 4).
+
+    position, orientation, velocity: (n, 3), (n, 4), (n, 3) of bodies in the world; drone_body: (d,); max_speed (m/s)
+    and max_yaw_rate (rad/s): (d,); command: (d, 4) in the heading frame; silence: (d,) steps since it came; dt: s.
+    Updates hold (d, 3), m, and ends landed (d,) for a command that moves the drone.
+    """
     for d in range(drone_body.shape[0]):
         i = drone_body[d]
         silent = silence[d] * dt >= SILENCE
@@ -59,7 +69,7 @@ def guide(position, orientation, velocity, drone_body, max_speed, max_yaw_rate, 
         if not silent and (cx != 0.0 or cy != 0.0 or cz > 0.0 or turn != 0.0):
             landed[d] = 0
         p, q, v = position[i], orientation[i], velocity[i]
-        wx, wy, wz, yaw_rate, hx, hy, hz = wish(
+        wx, wy, wz, yaw_rate, hx, hy, hz = guidance(
             p[0], p[1], p[2], q[0], q[1], q[2], q[3], v[0], v[1], v[2], cx, cy, cz, turn, silent,
             hold[d, 0], hold[d, 1], hold[d, 2], max_speed[d], max_yaw_rate[d])
         wanted[d, 0], wanted[d, 1], wanted[d, 2], wanted[d, 3] = wx, wy, wz, yaw_rate
@@ -68,8 +78,11 @@ def guide(position, orientation, velocity, drone_body, max_speed, max_yaw_rate, 
 
 
 @kernel
-def land(velocity, drone_body, command, silence, dt, contacts, landed):
-    """Marks drones as landed that rest on something and are not told to leave it."""
+def detect_landing(velocity, drone_body, command, silence, dt, contacts, landed):
+    """Sets landed (d,) for drones that rest on a support and have no command to leave it.
+
+    velocity: (n, 3) m/s; drone_body: (d,); command: (d, 4); silence: (d,) steps; dt: s; contacts: ContactArrays.
+    """
     end, pair, points, normal, total = contacts.end, contacts.pair, contacts.points, contacts.normal, contacts.total
     for d in range(drone_body.shape[0]):
         i = drone_body[d]
@@ -89,9 +102,9 @@ def land(velocity, drone_body, command, silence, dt, contacts, landed):
 
 def build(context: Context, wanted: Floats) -> Stage:
     """The stage that turns commands into wanted velocities; wanted: (d, 4), written."""
-    return context.stage("pilot", guide, wanted=wanted)
+    return context.stage("pilot", command_to_velocity, wanted=wanted)
 
 
 def build_landing(context: Context) -> Stage:
     """The stage, after the motion, that detects which drones have landed."""
-    return context.stage("landing", land)
+    return context.stage("landing", detect_landing)

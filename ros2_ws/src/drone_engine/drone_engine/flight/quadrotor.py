@@ -1,7 +1,7 @@
-"""The flight model 'quadrotor': loops, mixing and four rotors.
+"""The flight model 'quadrotor': cascaded control, mixing and four rotors.
 
-The loops run once every sub-step and set the rotors' rates; what these do is a force at every instant. Without the
-effect motor_lag the rotors turn as they are told at once.
+The controller runs once per sub-step and sets the rotors' rates; the rotors are a force at every instant. Without the
+effect motor_lag, rotors have their commanded rates at once.
 """
 
 from importlib import import_module
@@ -20,16 +20,18 @@ from drone_engine.model import Model
 from drone_engine.scene.airframe import Airframe, Arm
 from drone_engine.scene.errors import SceneError
 
-# Of k quadrotors, in the state's memory: rad/s, (k, 4); and the velocity that is expected (NaN: none), m/s, and what
-# pushes the drone, m/s^2, in the world, (k, 6).
+# Names in the state's memory, of k quadrotors: rotor rates (k, 4), rad/s; and (k, 6): predicted velocity, m/s (NaN:
+# none), and estimated disturbance, m/s^2, in the world.
 SPEED, EXPECTED = "rotor_speed", "expected_velocity_and_push"
 
 
 @kernel
 def control(drone, drone_body, row, orientation, velocity, angular_velocity, wanted, landed, weight, expected, told):
-    """Writes the rates that the rotors of k quadrotors are to have, (k, 4) rad/s; landed ones stop.
+    """Writes the commanded rates of k quadrotors' rotors, told (k, 4), rad/s: 0 for landed ones.
 
-    row: (k, SIZE) as Craft names them; wanted: (d, 4) velocity in the world, yaw rate; weight: to carry, m/s^2.
+    drone: (k,) indices; drone_body: (d,); row: (k, SIZE) Craft parameters; orientation, velocity, angular_velocity: of
+    bodies in the world; wanted: (d, 4) velocity (m/s, world) and yaw rate (rad/s); landed: (d,); weight: gravity to
+    carry, m/s^2; expected: (k, 6) predicted velocity and disturbance, in and out.
     """
     for k in range(drone.shape[0]):
         d = drone[k]
@@ -45,10 +47,12 @@ def control(drone, drone_body, row, orientation, velocity, angular_velocity, wan
 
 
 @kernel
-def fly(drone, drone_body, row, rotor, orientation, now, force, torque, thrust):
-    """Adds thrust and drag torque of rotors that turn at `now`, (k, 4) rad/s, to the forces on the bodies.
+def apply_rotors(drone, drone_body, row, rotor, orientation, now, force, torque, thrust):
+    """Adds thrust and drag torque of k quadrotors' rotors at the rates now (k, 4), rad/s, to force (N) and torque (N
+    m), (n, 3) in the world.
 
-    rotor: (k, 4) where each stands among the scene's, whose `thrust` (r,) is written, or -1.
+    row: (k, SIZE) Craft parameters; orientation: (n, 4); rotor: (k, 4) indices among the scene's rotors, whose thrust
+    (r,), N, is written; -1: none.
     """
     for k in range(drone.shape[0]):
         i = drone_body[drone[k]]
@@ -62,7 +66,8 @@ def fly(drone, drone_body, row, rotor, orientation, now, force, torque, thrust):
 
 @kernel
 def thrust_of_rates(row, rotor, speed, thrust):
-    """Writes thrust (r,) as it is when a sub-step begins, for effects that ask before `fly` has run."""
+    """Writes thrust (r,), N, at the beginning of a sub-step, for effects that need it before `apply_rotors` has run.
+    speed: (k, 4) rad/s; rotor: (k, 4) indices, or -1; row: (k, SIZE) Craft parameters."""
     for k in range(rotor.shape[0]):
         for i in range(4):
             if rotor[k, i] >= 0:
@@ -70,8 +75,9 @@ def thrust_of_rates(row, rotor, speed, thrust):
 
 
 @kernel
-def resist(drone, drone_body, row, orientation, velocity, air_velocity, now, h, force):
-    """Adds the rotors' drag to force (n, 3); air: (n, 3), or (0, 3) where it is still."""
+def apply_rotor_drag(drone, drone_body, row, orientation, velocity, air_velocity, now, h, force):
+    """Adds the drag of k quadrotors' rotors at the rates now (k, 4), rad/s, to force (n, 3), N. air_velocity: (n, 3)
+    m/s, or (0, 3) where the air is at rest; h: s of a sub-step."""
     for k in range(drone.shape[0]):
         i = drone_body[drone[k]]
         vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
@@ -85,7 +91,7 @@ def resist(drone, drone_body, row, orientation, velocity, air_velocity, now, h, 
 
 
 def rotors_of(model: Model, drone: int) -> Integers:
-    """Where the four rotors of a drone stand among the scene's, or four times -1 if it has not exactly four."""
+    """Indices (4,) of a drone's rotors among the scene's; four times -1 if it does not have exactly four."""
     name = model.bodies.names[model.drones.body[drone]]
     own = np.flatnonzero(model.rotors.drone == drone)
     four = len(own) == 4 and all(model.rotors.parents[r] == name for r in own)
@@ -93,7 +99,8 @@ def rotors_of(model: Model, drone: int) -> Integers:
 
 
 def arms(model: Model, drone: int) -> tuple[Arm, ...]:
-    """Its rotors about its centre of mass, as the scene has them, else as its airframe says."""
+    """Positions and directions of a drone's rotors about its center of mass: of its rotors in the scene, else those of
+    its airframe."""
     rotors, centre = rotors_of(model, drone), model.bodies.center_b[model.drones.body[drone]]
     if rotors[0] < 0:
         return (model.drones.flights[drone].quadrotor or Airframe()).arms
@@ -103,7 +110,7 @@ def arms(model: Model, drone: int) -> tuple[Arm, ...]:
 
 
 def row_of(model: Model, drone: int, h: float, path: Path) -> Floats:
-    """A quadrotor's numbers as Craft names them. Raises SceneError."""
+    """Craft parameters (SIZE,) of a quadrotor that is controlled every h s; path: of the scene. Raises SceneError."""
     i = model.drones.body[drone]
     try:
         return numbers(model.drones.flights[drone], float(model.bodies.mass[i]), model.bodies.inertia_b[i],
@@ -113,8 +120,8 @@ def row_of(model: Model, drone: int, h: float, path: Path) -> Floats:
 
 
 def build(context: Context, drone: Integers, wanted: Floats, weight: float, path: Path) -> Stages:
-    """drone: (k,) those of this model; wanted: (d, 4) velocity in the world, yaw rate; weight: m/s^2 to carry; path: of
-    the scene. Raises SceneError."""
+    """The stages of the drones with this flight model. drone: (k,) their indices; wanted: (d, 4) velocity (m/s, world)
+    and yaw rate; weight: gravity to carry, m/s^2; path: of the scene. Raises SceneError."""
     m, active = context.model, context.active
     row = np.array([row_of(m, int(d), context.h, path) for d in drone])
     rotor = np.array([rotors_of(m, int(d)) for d in drone])
@@ -125,9 +132,9 @@ def build(context: Context, drone: Integers, wanted: Floats, weight: float, path
         told, now = np.zeros_like(speed), np.zeros_like(speed)
         motor_lag: Any = import_module(EFFECTS["motor_lag"])  # imported only where a scene has it
         lag = motor_lag.between(active["motor_lag"], context, told, speed, now)
-    force = [context.stage("flight", fly, drone=drone, row=row, rotor=rotor, now=now)]
+    force = [context.stage("flight", apply_rotors, drone=drone, row=row, rotor=rotor, now=now)]
     if row[:, ROTOR_DRAG].any():
-        force.append(context.stage("rotor drag", resist, drone=drone, row=row, now=now))
+        force.append(context.stage("rotor drag", apply_rotor_drag, drone=drone, row=row, now=now))
     substep = [context.stage("control", control, drone=drone, row=row, wanted=wanted, weight=weight, expected=expected,
                              told=told)]
     if needs_thrust(active):
