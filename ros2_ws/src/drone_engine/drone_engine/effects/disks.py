@@ -1,4 +1,4 @@
-"""Rotors as disks: where they are on their bodies, and how large."""
+"""Rotor disks: their positions on bodies, axes and radii."""
 
 from typing import NamedTuple
 
@@ -13,18 +13,18 @@ from drone_engine.model import Model
 class Disks(NamedTuple):
     """r rotors' disks, in their bodies' frames."""
 
-    body: Integers  # (r,)
-    place_b: Floats  # (r, 3) m, from the centre of mass
-    axis_b: Floats  # (r, 3) along which they push
+    body: Integers  # (r,) index of the body
+    place_b: Floats  # (r, 3) m, from the center of mass
+    axis_b: Floats  # (r, 3) unit, direction of thrust
     radius: Floats  # (r,) m
 
 
 def disks(model: Model, radius: float | None = None) -> Disks:
-    """The disks of all rotors, as large as their models, or of the radius given. Raises mesh.MeshError."""
+    """The disks of all rotors. radius: m; default: from the bounds of their models. Raises MeshError."""
     rotors, bodies, fixed = model.rotors, model.bodies, model.fixed
     poses = rotors.pose_p.copy()
     for r, parent in enumerate(rotors.parents):
-        while parent not in bodies.names:  # a rotor may hang on a part of the drone
+        while parent not in bodies.names:  # a rotor may be a child of a part of the drone
             part = fixed.names.index(parent)
             poses[r], parent = compose(fixed.pose_p[part], poses[r]), fixed.parents[part]
     body = model.drones.body[rotors.drone]
@@ -35,6 +35,6 @@ def disks(model: Model, radius: float | None = None) -> Disks:
 
 
 def _radius(box: tuple[Floats, Floats]) -> float:
-    """Of a rotor whose model fills the box and turns about z."""
+    """Radius (m) of a rotor about z, from the bounds of its model."""
     low, high = box
     return float(max(np.abs(low[:2]).max(), np.abs(high[:2]).max()))

@@ -1,13 +1,13 @@
-"""The jets below rotors, which blow on whatever is under them.
+"""Downwash: the jets of air below rotors, which act on bodies under them.
 
 Momentum theory: a rotor with thrust T leaves a jet of twice its induced velocity v_i = sqrt(T / (2 rho pi R^2)), and a
-Gaussian profile 2 v_i exp(-(r / R)^2) carries just the momentum T. Further down it is a turbulent round jet:
-u(x, r) = 2 v_i (R / b) exp(-(r / b)^2), b = max(R, S x / sqrt(ln 2)), whose momentum stays, with the spreading rate
-S = 0.094 of Hussein, Capp, George 1994 (Pope 2000, Turbulent Flows, 5.1). Where jets meet their momenta add, so that
-four become one further down (Reichardt 1942); that the air below a quadrotor is such a jet was measured by Bauersfeld
-et al. 2024, Robotics Meets Fluid Dynamics. Wind does not bend the jets, and the ground does not stop them.
+Gaussian profile 2 v_i exp(-(r / R)^2) has the momentum T. Further down it is a turbulent round jet:
+u(x, r) = 2 v_i (R / b) exp(-(r / b)^2), b = max(R, S x / sqrt(ln 2)), with constant momentum and the spreading rate
+S = 0.094 of Hussein, Capp, George 1994 (Pope 2000, Turbulent Flows, 5.1). Where jets meet, their momenta add, so that
+four jets merge into one further down (Reichardt 1942). Bauersfeld et al. 2024 (Robotics Meets Fluid Dynamics) measured
+such a jet below a quadrotor. Not modeled: wind does not bend the jets, and the ground does not stop them.
 
-This moves the air; `drag` or `linear_drag` make a force of it.
+This effect moves the air; `drag` or `linear_drag` turn that into a force.
 """
 
 import math
@@ -22,13 +22,15 @@ from drone_engine.math.rotation import matrix
 from drone_engine.scene.fields import Strict
 
 SLOPE = 1.0 / math.sqrt(math.log(2.0))  # of b over the half-width at half speed
-REACH = 3.0  # b, beyond which a jet is not felt: 1e-4 of its speed
+REACH = 3.0  # b, radius beyond which a jet is ignored: 1e-4 of its speed
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     density: float = Field(1.225, gt=0.0, le=2000.0)  # kg/m^3, of the air
     spread: float = Field(0.094, ge=0.01, le=1.0)  # half-width at half speed, per distance
-    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; as their models have it
+    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; default: the size of their models
 
 
 @kernel

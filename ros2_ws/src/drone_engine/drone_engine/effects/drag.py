@@ -10,6 +10,8 @@ from drone_engine.scene.fields import Strict
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     density: float = Field(1.225, ge=0.0, le=2000.0)  # kg/m^3; sea level, 15 degrees Celsius (ISO 2533)
     coefficient: float = Field(1.0, ge=0.0, le=10.0)  # about 1.05 for a cube, 0.5 to 1.2 for bluff bodies
 
@@ -42,7 +44,7 @@ def resistance(qx, qy, qz, qw, vx, vy, vz, hx, hy, hz, mass, factor, h):
     area_speed = (4.0 * hy * hz * abs(m[0] * vx + m[3] * vy + m[6] * vz)
                     + 4.0 * hz * hx * abs(m[1] * vx + m[4] * vy + m[7] * vz)
                     + 4.0 * hx * hy * abs(m[2] * vx + m[5] * vy + m[8] * vz))
-    # Less than stops the body within a sub-step of h s: a long one must not turn drag into thrust.
+    # Limited, so that it does not reverse the motion within a sub-step of h s.
     rate = min(factor * area_speed, STABLE * mass / h)
     return rate * vx, rate * vy, rate * vz
 

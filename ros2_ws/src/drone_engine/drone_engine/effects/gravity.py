@@ -8,6 +8,8 @@ from drone_engine.scene.fields import Strict
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     acceleration: float = Field(9.80665, ge=0.0, le=300.0)  # m/s^2; standard gravity (CGPM 1901)
 
 

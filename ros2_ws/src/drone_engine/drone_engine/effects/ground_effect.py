@@ -1,9 +1,10 @@
-"""Rotors close to a floor push harder: T / T_inf = 1 / (1 - (R / 4 z)^2 / (1 + (V / v_i)^2)).
+"""Ground effect, the additional thrust of rotors near the ground: T / T_inf = 1 / (1 - (R / 4 z)^2 / (1 + (V /
+v_i)^2)).
 
 Cheeseman, Bennett 1955, The Effect of the Ground on a Helicopter Rotor in Forward Flight (ARC R&M 3021), with z the
-rotor's height, V its speed along the ground, and v_i = sqrt(T / (2 rho pi R^2)) from momentum theory. Each rotor for
-itself, over the scene's floors and ground; other things below it do not count. Measurements begin at z = R / 2, where
-the gain is a third; closer, it is taken as there.
+rotor's height, V its speed along the ground, and v_i = sqrt(T / (2 rho pi R^2)) from momentum theory. Rotors are
+independent. Only the scene's floors and terrain count, no other objects. Measurements begin at z = R / 2, where the
+gain is a third; it is constant below.
 """
 
 import math
@@ -19,17 +20,20 @@ from drone_engine.kernel import kernel
 from drone_engine.math.rotation import matrix
 from drone_engine.scene.fields import Strict
 
-CLOSEST = 0.5  # R
+CLOSEST = 0.5  # R, height below which the gain is constant
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     density: float = Field(1.225, gt=0.0, le=2000.0)  # kg/m^3, of the air
-    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; as their models have it
+    radius: float | None = Field(None, gt=0.0, le=100.0)  # m, of the rotors; default: the size of their models
 
 
 @kernel
 def gain(radius, height, speed, induced):
-    """What a rotor's thrust grows by, in units of its thrust far from the ground. m, m, m/s, m/s."""
+    """Relative increase of a rotor's thrust near the ground. radius, height: m; speed along the ground, induced
+    velocity: m/s."""
     x = radius / (4.0 * max(height, CLOSEST * radius))
     ratio = speed / induced
     lost = x * x / (1.0 + ratio * ratio)

@@ -1,12 +1,12 @@
-"""Dryden gusts, low-altitude model of MIL-F-8785C (3.7.2.1 and 3.7.3.3), each body its own.
+"""Dryden gusts, low-altitude model of MIL-F-8785C (3.7.2.1 and 3.7.3.3), independent for each body.
 
 With h the height (ft) and W the wind at 20 ft: L_w = h, L_u = L_v = h / (0.177 + 0.000823 h)^1.2 are the scales of
 the turbulence, sigma_w = 0.1 W and sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4 its intensities. White noise
 is formed by H_u = sigma sqrt(2 T / pi) / (1 + T s) and H_v,w = sigma sqrt(T / pi) (1 + sqrt(3) T s) / (1 + T s)^2, with
-T = L / V and V the body's speed through the air. The filters are discretised exactly, whatever the step.
+T = L / V and V the body's speed through the air. The discretization of the filters is exact for any step.
 
-The model is a time series along one path; it says nothing of how two paths agree. So bodies have independent gusts,
-which is right for those further apart than L (3 m and more) and wrong for two drones side by side.
+The model describes one path and no correlation between paths. Bodies therefore have independent gusts, which is correct
+for bodies further apart than L (3 m and more) and wrong for two drones side by side.
 """
 
 import math
@@ -20,14 +20,16 @@ from drone_engine.kernel import kernel
 from drone_engine.scene.fields import Strict
 
 FOOT = 0.3048  # m
-LOWEST, HIGHEST = 10.0, 1000.0  # ft, between which the model is given; beyond, it is taken as there
+LOWEST, HIGHEST = 10.0, 1000.0  # ft, range of the model; constant beyond
 LIGHT = 7.717  # m/s at 20 ft: 15 knots, 'light' in MIL-F-8785C; 30 are moderate, 45 severe
-PAIRS = 3  # of normal numbers a step
+PAIRS = 3  # pairs of normal numbers per step
 
 
 class Parameters(Strict):
-    wind_6m: float | None = Field(None, ge=0.0, le=60.0)  # m/s at 20 ft; as the scene's wind has it, or LIGHT
-    ground: float = 0.0  # m, from where heights count
+    """Keys of the effect in a scene file."""
+
+    wind_6m: float | None = Field(None, ge=0.0, le=60.0)  # m/s at 20 ft; default: that of the scene's wind, else LIGHT
+    ground: float = 0.0  # m, height that heights are measured from
 
 
 @kernel
@@ -41,13 +43,15 @@ def scales(height, wind):
 
 @kernel
 def first_order(h):
-    """How much of u is left after h (in units of T) and how much noise comes: variance 1 stays 1."""
+    """Exact step of length h (in units of T) of the first-order filter with variance 1: the factors of its value and of
+    the noise."""
     return math.exp(-h), math.sqrt(-math.expm1(-2.0 * h))
 
 
 @kernel
 def second_order(h):
-    """The same for the chain a' = -a + n, b' = -b + a: what is left, and the lower triangle of the noise's root.
+    """Exact step of length h of the chain a' = -a + n, b' = -b + a: the factor of the values, and the Cholesky factor
+    (aa, ab, bb) of the noise's covariance.
 
     b is white noise through 1 / (1 + T s)^2, a = b + T b'; their covariance is (1, 1/2; 1/2, 1/2) and stays.
     """
@@ -67,7 +71,7 @@ def second_order(h):
 
 @kernel
 def shape(a, b):
-    """The output (1 + sqrt(3) T s) / (1 + T s)^2 of unit variance."""
+    """Output with unit variance of the filter (1 + sqrt(3) T s) / (1 + T s)^2 from its states a and b."""
     return math.sqrt(0.5) * (b + math.sqrt(3.0) * (a - b))
 
 
@@ -116,7 +120,7 @@ def blow(awake, gust, air_velocity):
 
 
 def wind_6m(parameters: Parameters, context: Context) -> float:
-    """The wind at 20 ft, m/s."""
+    """Speed of the wind at 20 ft, m/s."""
     if parameters.wind_6m is not None:
         return parameters.wind_6m
     wind = context.active.get("wind")

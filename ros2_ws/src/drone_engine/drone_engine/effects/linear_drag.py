@@ -1,8 +1,8 @@
-"""Drag in proportion to speed: F = -m R D R^T v, D = diag(rates along the body's axes).
+"""Linear drag: F = -m R D R^T v, D = diag(rates along the body's axes).
 
-That is the drag of rotors (Faessler, Franchi, Scaramuzza 2018, Differential Flatness of Quadrotor Dynamics Subject to
-Rotor Drag, eq. 1); the rates are those that they identified for their quadrotor. On anything else it is what games
-call damping.
+This is the drag of rotors (Faessler, Franchi, Scaramuzza 2018, Differential Flatness of Quadrotor Dynamics Subject to
+Rotor Drag, eq. 1); the default rates are those identified there. For other bodies it is plain
+damping.
 """
 
 from typing import Annotated, Literal
@@ -19,6 +19,8 @@ PerSecond = Annotated[float, Field(ge=0.0, le=1000.0)]
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     rate: tuple[PerSecond, PerSecond, PerSecond] = (0.544, 0.386, 0.0)  # 1/s, along x, y, z of the body
     spin: PerSecond = 0.0  # 1/s, of the angular velocity
     bodies: Literal["drones", "all"] = "drones"
@@ -32,7 +34,7 @@ def damp(awake, acts, orientation, velocity, angular_velocity, air_velocity, mas
     x, y, z: 1/s, rates along the body's axes; rotation_rate: 1/s, of the angular velocity; mass: (n,) kg; body_inertia:
     (n, 3) kg m^2; air_velocity: (n, 3) m/s, or (0, 3) where the air is at rest; h: s of a sub-step.
     """
-    most = STABLE / h  # less than stops the body within a sub-step
+    most = STABLE / h  # limited, so that it does not reverse the motion within a sub-step
     x, y, z, rate = min(x, most), min(y, most), min(z, most), min(rotation_rate, most)
     for k in range(1, 1 + awake[0]):
         i = awake[k]

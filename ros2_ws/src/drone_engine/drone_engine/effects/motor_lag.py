@@ -1,7 +1,7 @@
-"""Rotors follow what they are told with a delay of first order: d rate / dt = (told - rate) / time.
+"""First-order lag of the rotors: d rate / dt = (told - rate) / time, with `told` the commanded rate.
 
-Time constants: the 3DR Iris of RotorS (Furrer et al. 2016), which speeds up faster than it slows down. Between two
-instants the solution is exact: rate = told + (rate - told) exp(-t / time). For drones of the model 'quadrotor'.
+Time constants: the 3DR Iris of RotorS (Furrer et al. 2016), which speed up faster than they slow down. The
+solution between two instants is exact: rate = told + (rate - told) exp(-t / time). For drones of the model 'quadrotor'.
 """
 
 import math
@@ -13,23 +13,25 @@ from drone_engine.context import Context, Stages
 from drone_engine.kernel import inlined, kernel
 from drone_engine.scene.fields import Strict
 
-STOPPED = 1.0  # rad/s, below which friction stops a rotor that is told to
+STOPPED = 1.0  # rad/s, below which friction stops a rotor with the command 0
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     up: float = Field(0.0125, ge=1e-4, le=10.0)  # s
     down: float = Field(0.025, ge=1e-4, le=10.0)  # s
 
 
 @inlined
 def followed(told, rate, keep_up, keep_down):
-    """The rate after a while of which is left, of a difference, keep_up if it speeds up, else keep_down."""
+    """The rate (rad/s) after a time in which a difference decays to keep_up of it (speeding up) or keep_down."""
     return told + (rate - told) * (keep_up if told > rate else keep_down)
 
 
 @inlined
 def stopped(told, rate):
-    """The rate, or 0 where a rotor that is told to stop hardly turns."""
+    """The rate (rad/s), or 0 for a rotor with command 0 that is below STOPPED."""
     return 0.0 if (told == 0.0) & (rate < STOPPED) else rate
 
 

@@ -1,8 +1,8 @@
-"""Random numbers that are a function of where they are asked for: of a stream and a position in it.
+"""Counter-based random numbers: each is a function of a stream and a position in it.
 
-So the order in which bodies are visited, and who sleeps, do not matter, and a run repeats from any state. The n-th
-number of a stream is the n-th output of splitmix64 (Steele, Lea, Flood 2014, Fast Splittable Pseudorandom Number
-Generators) seeded with the stream; normal numbers come of pairs of them (Box, Muller 1958).
+Their values depend neither on the order of the bodies nor on which bodies sleep, and a run repeats from any state. The
+n-th number of a stream is the n-th output of splitmix64 (Steele, Lea, Flood 2014, Fast Splittable Pseudorandom Number
+Generators) seeded with the stream; pairs of them give normal numbers (Box, Muller 1958).
 """
 
 import hashlib
@@ -21,7 +21,7 @@ S30, S27, S31, S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
 
 @kernel
 def bits(stream, position):
-    """64 random bits, unsigned; stream, position: whole numbers."""
+    """64 random bits, unsigned; stream, position: int64."""
     z = np.uint64(stream) + GOLDEN * np.uint64(position + 1)
     z = (z ^ (z >> S30)) * FIRST
     z = (z ^ (z >> S27)) * SECOND
@@ -30,7 +30,7 @@ def bits(stream, position):
 
 @kernel
 def uniform(stream, position):
-    """A number from 0 to 1, neither of which it ever is."""
+    """Uniform on the open interval (0, 1)."""
     return (np.float64(bits(stream, position) >> S11) + 0.5) * 2.0**-53
 
 
@@ -43,6 +43,7 @@ def normals(stream, position):
 
 
 def streams(seed: int, effect: str, names: Iterable[str]) -> Integers:
-    """A stream (n,) for each body. It hangs on the body's name: another body in the scene changes no other's luck."""
+    """A stream for each of n names, (n,). It is seeded by the name, so that adding a body does not change the random
+    stream of any other."""
     digests = (hashlib.sha256(f"{seed}/{effect}/{name}".encode()).digest() for name in names)
     return np.array([int.from_bytes(digest[:8], "little", signed=True) for digest in digests], np.int64)

@@ -1,4 +1,4 @@
-"""How much of a box is under a horizontal plane, and where that part's centroid is: exact, for any pose."""
+"""Volume and centroid of the part of a box below a horizontal plane: exact, for any pose."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from drone_engine.kernel import kernel
 
 # The faces of a box: corners are numbered by bits, 1 for +x, 2 for +y, 4 for +z; counter-clockwise from outside.
 FACES = np.array([[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]], np.int64)
-ROWS = 8 + 8  # of the scratch array: the corners of a box, and those of a face that a plane has cut
+ROWS = 8 + 8  # of the scratch array: corners of the box, and corners of a clipped face
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
 def submerged(m, half, height, scratch):
-    """Volume below the plane z = height over the centre of a box, m^3, and its centroid from the centre, world axes.
+    """Volume below the plane z = height above the center of a box, m^3, and its centroid from the center, world axes.
 
     m: rows of the box's rotation matrix; half: (3,) m; scratch: (ROWS, 3).
     """
@@ -32,7 +32,7 @@ def submerged(m, half, height, scratch):
     if depth < reach or depth + reach > 2.0 * c:
         return _cut_off(m, half, height, scratch)
 
-    # The plane crosses all four edges along the steepest axis: columns along it, as deep as a linear function says.
+    # The plane crosses all four edges along the steepest axis: integrate columns along it, whose depth is linear.
     side = 1.0 if steep > 0.0 else -1.0
     u, v = side * s * a * a / (3.0 * depth), side * t * b * b / (3.0 * depth)
     w = side * (0.5 * (depth * depth + (s * s * a * a + t * t * b * b) / 3.0) / depth - c)
@@ -43,10 +43,10 @@ def submerged(m, half, height, scratch):
 
 @kernel
 def _cut_off(m, half, height, scratch):
-    """The same where the plane cuts the box otherwise.
+    """As `submerged`, where the plane cuts the box otherwise.
 
-    Each face is cut at the plane, and makes pyramids with the point of the plane above the centre as their apex; what
-    the plane itself cuts off the box makes one without volume.
+    Each face is clipped at the plane and forms pyramids whose apex is the point of the plane above the center; the cut
+    face itself then has no volume.
     """
     for corner in range(8):
         x = half[0] if corner & 1 else -half[0]

@@ -1,11 +1,11 @@
-"""Water that boxes float in: buoyancy and drag of the part below the surface, which is the plane z = `level`.
+"""Water: buoyancy, drag and added mass of the part of each box below the surface, the plane z = `level`.
 
-Buoyancy is the weight of the water displaced (Archimedes), exact for a box in any pose, at the centroid of the part
-that is under. Drag there is linear and quadratic (Fossen 2011, Handbook of Marine Craft Hydrodynamics, 6.4):
-F = -(k rho V + 1/2 rho C A |v|) v, with V the volume under water and A the box's shadow along its way, as much of it as
-of the volume is under; k damps rotation likewise. The mass c rho V of water moves along (DNV-RP-C205, table D-2; 0.68
-for a cube), whatever pushes the body, and resists turning in the same proportion. There are no waves. The gravity is
-the scene's: without it nothing floats.
+Buoyancy is the weight of the water displaced (Archimedes), exact for a box in any pose, at the centroid of the
+submerged part. Drag is linear and quadratic (Fossen 2011, Handbook of Marine Craft Hydrodynamics, 6.4):
+F = -(k rho V + 1/2 rho C A |v|) v, with V the submerged volume and A the box's projected area along its velocity,
+scaled by the submerged share of the volume; k damps rotation likewise. The added mass is c rho V (DNV-RP-C205, table
+D-2; 0.68 for a cube); the moments of inertia grow in the same proportion. There are no waves. Gravity is the scene's:
+without it nothing floats.
 """
 
 import math
@@ -25,11 +25,13 @@ Speed = Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     level: Place = 0.0  # m, of the surface
     density: float = Field(1025.0, gt=0.0, le=20000.0)  # kg/m^3; sea water, 998 for fresh water
     coefficient: float = Field(1.0, ge=0.0, le=10.0)  # of quadratic drag; about 1.05 for a cube
     damping: float = Field(0.5, ge=0.0, le=100.0)  # 1/s, of the displaced water's momentum
-    added_mass: float = Field(0.68, ge=0.1, le=10.0)  # of the displaced water's; a cube's
+    added_mass: float = Field(0.68, ge=0.1, le=10.0)  # per displaced mass; default: a cube's
     current: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)  # m/s
 
 
@@ -70,7 +72,7 @@ def float_up(awake, position, orientation, velocity, angular_velocity, half, mas
             continue
         whole = 8.0 * half[i, 0] * half[i, 1] * half[i, 2]
         under, water = volume / whole, density * volume
-        more = 1.0 + added * water / mass[i]  # as much as the body alone
+        more = 1.0 + added * water / mass[i]  # ratio to the mass of the body alone
         inverse_mass[i] /= more
         for c in range(3):
             inertia[i, c] *= more
@@ -84,8 +86,8 @@ def float_up(awake, position, orientation, velocity, angular_velocity, half, mas
             face = 4.0 * half[i, (c + 1) % 3] * half[i, (c + 2) % 3]
             area_speed += face * abs(m[c] * vx + m[3 + c] * vy + m[6 + c] * vz)
         least = min(body_inertia[i, 0], min(body_inertia[i, 1], body_inertia[i, 2]))
-        felt = more / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # the mass at that point
-        # Less than stops that point within this sub-step.
+        felt = more / (1.0 / mass[i] + (px * px + py * py + pz * pz) / least)  # effective mass at that point
+        # Limited, so that it does not reverse the motion of that point within a sub-step.
         rate = min(damping * water + drag * density * under * area_speed, STABLE * felt / h)
         fx, fy, fz = -rate * vx, -rate * vy, water * gravity - rate * vz
         force[i, 0] += fx

@@ -1,4 +1,4 @@
-"""Mean wind: the same everywhere, or slower near the ground.
+"""Mean wind: uniform, or with a boundary layer.
 
 Power law: u(z) = u_r (z / z_r)^p, p = 1/7 over open land (Justus, Mikhail 1976). Logarithmic law:
 u(z) = u_r ln(z / z_0) / ln(z_r / z_0), as in MIL-F-8785C, 3.7.3.2. Heights are over z = `ground`.
@@ -13,13 +13,15 @@ from drone_engine.context import Context, Stages
 from drone_engine.kernel import kernel
 from drone_engine.scene.fields import Strict
 
-LOWEST = 0.9144  # m, 3 ft: MIL-F-8785C knows no wind below; it is taken as there
+LOWEST = 0.9144  # m, 3 ft: MIL-F-8785C gives no wind below; constant there
 
 
 class Parameters(Strict):
+    """Keys of the effect in a scene file."""
+
     mean: tuple[float, float, float] = (3.0, 0.0, 0.0)  # m/s, at the reference height
     profile: Literal["uniform", "power", "log"] = "uniform"
-    reference: float = Field(10.0, ge=1.0, le=1000.0)  # m over the ground; where weather services measure (WMO)
+    reference: float = Field(10.0, ge=1.0, le=1000.0)  # m above ground; standard height of anemometers (WMO)
     exponent: float = Field(1 / 7, ge=0.0, le=1.0)  # of the power law
     roughness: float = Field(0.03, ge=1e-6, le=0.9)  # m, of the logarithmic law; grass (Davenport 1960, class 3)
     ground: float = 0.0  # m
@@ -31,11 +33,11 @@ class Parameters(Strict):
         return self
 
     def speed(self) -> float:
-        """At the reference height, m/s."""
+        """Speed at the reference height, m/s."""
         return math.hypot(*self.mean)
 
     def factor(self, height: float) -> float:
-        """The speed at a height over the ground, in units of that at the reference height."""
+        """Speed at a height above ground (m), relative to that at the reference height."""
         if self.profile == "power":
             return float(power(height, self.reference, self.exponent))
         if self.profile == "log":
