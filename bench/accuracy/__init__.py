@@ -1,1 +1,1 @@
-"""What accuracy costs: errors over CPU time, of collision and of motion; writes docs/accuracy."""
+"""Cost of accuracy: errors over CPU time, of collision and of motion; writes docs/accuracy."""

@@ -71,9 +71,9 @@ def boxes(size: Size) -> Iterator[Row]:
         return " and ".join(", ".join(f"{part} {getattr(box, part)[k].tolist()}" for part in Boxes._fields)
                             for box in (a, b))
 
-    agree("boxes, yes or no", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
+    agree("boxes, intersection test", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
     times = side_by_side({"ours": lambda: obb.intersects(*a, *b), **others}, size.rounds)
-    yield rates("boxes, yes or no", size.boxes, times, 40e6)
+    yield rates("boxes, intersection test", size.boxes, times, 40e6)
 
     if not np.array_equal(boxes_without_bounds.intersects(*a, *b), ours):
         raise SystemExit("the box kernel without error bounds gives different answers on ordinary pairs")
@@ -92,7 +92,7 @@ def boxes(size: Size) -> Iterator[Row]:
         raise SystemExit("obb.contacts and obb.intersects disagree")
     times = side_by_side({"ours": lambda: obb.contacts(*a, *b), **others}, size.rounds)
     each = len(found.point) / len(found.number)
-    yield rates(f"boxes, normal, depth and manifold ({each:.1f} points a hit)", size.boxes, times, 10e6)
+    yield rates(f"boxes, normal, depth and manifold ({each:.1f} points per hit)", size.boxes, times, 10e6)
 
 
 def poses_near_touch(rng: np.random.Generator, tree: octree.Octree, reach: float, n: int) -> tuple[Floats, Floats]:
@@ -139,9 +139,9 @@ def _mesh(what: str, mesh: Mesh, tree: octree.Octree, a: Floats, b: Floats, roun
 
     others = libraries.meshes(mesh, a, b)
     ours = traversal.intersects(tree, a, tree, b)
-    agree(f"{what}, yes or no", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
+    agree(f"{what}, intersection test", ours, {name: libraries.hits(run) for name, run in others.items()}, describe)
     times = side_by_side({"ours": lambda: traversal.intersects(tree, a, tree, b), **others}, rounds)
-    yield rates(f"{what}, yes or no", len(a), times, None)
+    yield rates(f"{what}, intersection test", len(a), times, None)
 
     others = libraries.meshes(mesh, a, b, libraries.UNLIMITED)
     count = np.diff(traversal.pairs(tree, a, tree, b)[0])
@@ -152,7 +152,7 @@ def _mesh(what: str, mesh: Mesh, tree: octree.Octree, a: Floats, b: Floats, roun
     if not np.array_equal(count > 0, ours):
         raise SystemExit("traversal.pairs and traversal.intersects disagree")
     times = side_by_side({"ours": lambda: traversal.contacts(tree, a, tree, b), **others}, rounds)
-    yield rates(f"{what}, all contacts ({count[count > 0].mean():.0f} a hit)", len(a), times, None)
+    yield rates(f"{what}, all contacts ({count[count > 0].mean():.0f} per hit)", len(a), times, None)
 
 
 def frames(size: Size) -> Iterator[Row]:

@@ -52,7 +52,7 @@ class Engine(Protocol):
     def reset(self) -> None:
         """Restores the initial state."""
     def run(self, steps: int) -> None:
-        """Runs so many steps."""
+        """Runs `steps` steps."""
     def positions(self) -> Floats:
         """Centers in the world, (k, 3) m."""
     def orientations(self) -> Floats:

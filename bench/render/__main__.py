@@ -65,7 +65,7 @@ def speeds(workers: dict[str, Worker], size: tuple[int, int], rounds: int, pictu
     yield Row(f"{what}, over the plain loop", "times", factor, f"at least {target:.3g}", factor >= target)
     yield Row(f"{what}, edges smoothed", "1/s", smooth, cpu={"ours": 1 / cpu[SMOOTH]}, best={"ours": best[SMOOTH]})
     cost = 1e3 * (cpu[SMOOTH] - cpu["ours"])
-    yield Row(f"{what}: smooth edges, CPU time a picture", "ms", cost, *(("at most 3", cost <= 3.0)
+    yield Row(f"{what}: smooth edges, CPU time per picture", "ms", cost, *(("at most 3", cost <= 3.0)
                                                                          if size == (640, 480) else ()))
 
 

@@ -31,9 +31,9 @@ def write(folder: Path, antialiasing: bool = False) -> Path:
     """Writes the scene, its models and textures into the folder; returns the path of the scene."""
     for kind in ("scenes", "models", "textures"):
         (folder / kind).mkdir(exist_ok=True)
-    things: list[tuple[str, scenery.Mesh, float, int | None]] = [("hill", scenery.hill(), 1.0, None)]
-    things += [(f"ball_{k}", scenery.ball(), ball.scale, k) for k, ball in enumerate(scenery.balls())]
-    for name, mesh, scale, number in things:
+    meshes: list[tuple[str, scenery.Mesh, float, int | None]] = [("hill", scenery.hill(), 1.0, None)]
+    meshes += [(f"ball_{k}", scenery.ball(), ball.scale, k) for k, ball in enumerate(scenery.balls())]
+    for name, mesh, scale, number in meshes:
         (folder / "models" / f"{name}.obj").write_text(scenery.obj(mesh, f"{name}.mtl", scale))
         paint = PAINT.format(scenery.SPECULAR, scenery.SHININESS, name)
         (folder / "models" / f"{name}.mtl").write_text(paint)

@@ -129,7 +129,7 @@ def rows(rounds: int) -> Iterator[Row]:
             cost = cpu_median[name]
         elif isinstance(cameras[name], Debug):  # the only camera that draws more than "everything"
             cost = -cost
-        what = f"island, 640x480: {name}, CPU time a picture"
+        what = f"island, 640x480: {name}, CPU time per picture"
         yield Row(what, "ms", cost, *(("at most 3", cost <= 3.0) if name == "smooth edges" else ()))
 
 

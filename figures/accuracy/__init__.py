@@ -1,1 +1,1 @@
-"""Plots of what accuracy costs."""
+"""Plots of the cost of accuracy."""

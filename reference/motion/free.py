@@ -28,7 +28,7 @@ def tumbling(setting: Setting) -> World:
 
 
 def tumble_errors(world: World, seconds: float) -> tuple[float, float]:
-    """Errors of the tumbling box after so many seconds: position in m, attitude in rad."""
+    """Errors of the tumbling box after `seconds` s: position in m, attitude in rad."""
     path = VELOCITY * seconds - np.array([0.0, 0.0, 0.5 * G * seconds**2])
     return (float(np.linalg.norm(world.state.position_w[0] - path)),
             angle_between(world.state.orientation_w[0], attitude(world.model.bodies.inertia_b[0], RATE, seconds)))

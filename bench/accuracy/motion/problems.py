@@ -97,7 +97,7 @@ class Quadrotor(Ours):
         self._scene, self._count = BoxScene({}), 1
 
     def run(self, steps: int) -> None:
-        """Runs so many steps, with a command every COMMAND_INTERVAL s."""
+        """Runs `steps` steps, with a command every COMMAND_INTERVAL s."""
         interval = round(COMMAND_INTERVAL / self.world.dt)
         for done in range(0, steps, interval):
             self.world.command("drone", COMMAND)
