@@ -1,4 +1,4 @@
-"""The command `drone_engine`, or `python -m drone_engine`: looks at scenes without running any node."""
+"""The command `drone_engine`, or `python -m drone_engine`: reports on scenes, without running any node."""
 
 import argparse
 import sys
@@ -8,12 +8,13 @@ from drone_engine.explain import step
 
 
 def main() -> int:
-    """Runs the command that is named first."""
+    """Runs the command named by the first argument; returns its exit status."""
     commands = {"explain": explain.main, "step": step.main}
-    parser = argparse.ArgumentParser(prog="drone_engine", description="Looks at scenes without running the nodes.")
+    parser = argparse.ArgumentParser(prog="drone_engine", description="Reports on scenes, without running any node.")
     parser.add_argument("command", choices=commands,
-                        help="explain: what a scene switches on, and what it costs; step: the stages of a step")
-    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="drone_engine COMMAND --help tells")
+                        help="explain: what a scene enables and what it costs; step: the stages of a step")
+    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...",
+                        help="its arguments; see drone_engine COMMAND --help")
     options = parser.parse_args()
     return commands[options.command](options.rest)
 

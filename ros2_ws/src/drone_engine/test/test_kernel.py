@@ -8,7 +8,7 @@ import pytest
 
 WORLD = """
 from drone_engine import World, make_scene
-crate = {"model": "crate", "mass": 3, "pose": (0, 0, 0.2)}
+crate = {"model": "crate", "mass": 3, "pose": (0, 0, 0.001)}
 world = World(make_scene({
     "dynamics": {"substeps": 1}, "effects": {"gravity": {}, "drag": {}}, "collision": {"level": "LEVEL"},
     "objects": {"floor": {"model": "hangar_floor", "static": True, "collision": {"level": "floor"}}, "crate": crate,

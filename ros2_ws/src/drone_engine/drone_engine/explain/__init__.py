@@ -1,1 +1,1 @@
-"""What a scene switches on and off, why, and what each part of a step costs."""
+"""Reports on scenes: features, cost of a step, and its stages."""

@@ -1,4 +1,4 @@
-"""`drone_engine explain assets/scenes/island.yaml`: what is on, what is off and why, and what a step costs."""
+"""`drone_engine explain SCENE`: what a scene enables and why, and the cost of each stage of a step."""
 
 import argparse
 import json
@@ -9,18 +9,18 @@ from rich.console import Console
 from rich.table import Table
 
 from drone_engine.explain.costs import Costs, measure
-from drone_engine.explain.features import Feature, features, few
+from drone_engine.explain.features import Feature, features, listed
 from drone_engine.geometry.mesh import MeshError
 from drone_engine.scene.errors import SceneError
 from drone_engine.scene.loading import load
 from drone_engine.scene.schema import Scene
 from drone_engine.world import World
 
-BAR = 15  # characters of a whole step
+BAR = 15  # characters of the bar of a whole step
 
 
 def as_json(scene: Scene, found: list[Feature], costs: Costs) -> str:
-    """Everything, for programs."""
+    """Features, costs and kernels as JSON, for programs."""
     return json.dumps({
         "scene": scene.name, "path": str(scene.path), "hash": scene.hash,
         "features": [feature._asdict() for feature in found],
@@ -29,7 +29,8 @@ def as_json(scene: Scene, found: list[Feature], costs: Costs) -> str:
 
 
 def feature_table(found: list[Feature]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, title="What the scene calls for", title_justify="left", title_style="bold")
+    """Features by group, on or off, with the reasons."""
+    table = Table(box=box.SIMPLE_HEAD, title="Features", title_justify="left", title_style="bold")
     for heading in ("", "", "", "why"):
         table.add_column(heading)
     last = ""
@@ -44,7 +45,8 @@ def feature_table(found: list[Feature]) -> Table:
 
 
 def stage_table(costs: Costs) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, title="A step, in order", title_justify="left", title_style="bold")
+    """Stages of a step in order, with their kernels and costs."""
+    table = Table(box=box.SIMPLE_HEAD, title="Stages of a step, in order", title_justify="left", title_style="bold")
     for heading, where in (("stage", "left"), ("kernel", "left"), ("µs", "right"), ("share", "right"), ("", "left")):
         table.add_column(heading, justify=where, no_wrap=True)  # type: ignore[arg-type]
     total = sum(cost.us for cost in costs.stages) or 1.0
@@ -58,18 +60,18 @@ def stage_table(costs: Costs) -> Table:
 
 
 def explain(scene: Scene, console: Console) -> None:
-    """Prints all of it."""
+    """Prints the features of a scene, the cost of its stages and its kernels; measuring takes seconds."""
     world = World(scene)
     bodies = world.model.bodies
     moving = [name for name, moves in zip(bodies.names, bodies.movable, strict=True) if moves]
     console.print(f"[bold]{scene.name}[/]  {scene.description}\n{bodies.count} bodies, of which {len(moving)} move"
-                  f"{': ' if moving else ''}{few(moving)}\n", highlight=False)
+                  f"{': ' if moving else ''}{listed(moving)}\n", highlight=False)
     console.print(feature_table(features(world)))
     with console.status("measuring; the first time, kernels compile"):
         costs = measure(scene)
     console.print(stage_table(costs))
     console.print(f"{costs.real_time_factor:,.0f} times real time at {scene.rates.physics:g} steps per s, on one "
-                  "thread, without commands. Indented: run by motion, in its sub-steps.\n",
+                  "thread, without commands. Indented: run by motion in its sub-steps.\n",
                   highlight=False)
     count = sum(map(len, costs.kernels.values()))
     console.print(f"[bold]{count} kernels compiled[/] for this scene", highlight=False)
@@ -78,11 +80,11 @@ def explain(scene: Scene, console: Console) -> None:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Exit status 1 and one line for a scene that cannot be."""
+    """The command; returns its exit status: 1, after one line on stderr, for a scene that is not valid."""
     parser = argparse.ArgumentParser(
-        prog="drone_engine explain", description="What a scene switches on, and what it costs.")
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a scene among the assets")
-    parser.add_argument("--json", action="store_true", help="for programs")
+        prog="drone_engine explain", description="Lists what a scene enables and what it costs.")
+    parser.add_argument("scene", metavar="SCENE", help="a scene file, or the name of a shipped scene")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     options = parser.parse_args(args)
     try:
         scene = load(options.scene)
@@ -91,7 +93,7 @@ def main(args: list[str] | None = None) -> int:
         else:
             explain(scene, Console())
     except (SceneError, MeshError) as error:
-        print(f"drone_sim: {error}", file=sys.stderr)
+        print(f"drone_engine explain: {error}", file=sys.stderr)
         return 1
     return 0
 

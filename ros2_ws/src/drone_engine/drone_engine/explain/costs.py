@@ -1,4 +1,4 @@
-"""What the stages of a scene cost, measured in the compiled loop, and what was compiled for them."""
+"""Cost of the stages of a scene, measured in the compiled loop, and the kernels compiled for them."""
 
 import statistics
 import time
@@ -15,24 +15,24 @@ WARM_UP = 30  # steps
 
 
 class Cost(NamedTuple):
-    """A stage: its kernel, or '' if it is Python's, and us per step."""
+    """Cost of a stage."""
 
     stage: str
-    kernel: str
-    us: float
+    kernel: str  # '' if it runs in Python
+    us: float  # per step
 
 
 class Costs(NamedTuple):
     """Medians over batches of steps from the start of the scene, without commands."""
 
     stages: list[Cost]
-    step_us: float  # CPU time, of a world without clock readings
+    step_us: float  # CPU time, without clock readings between stages
     real_time_factor: float
-    kernels: dict[str, list[str]]  # all that was compiled for the stages, by module
+    kernels: dict[str, list[str]]  # names of all kernels compiled for the stages, by module
 
 
 def measure(scene: Scene) -> Costs:
-    """Runs two fresh worlds of the scene: one with clock readings between the stages, and one without."""
+    """Runs two new worlds of the scene, one with clock readings between the stages and one without."""
     timed, plain = World(scene, timed=True), World(scene)
     timed.compile()
     plain.compile()
@@ -63,7 +63,7 @@ def _steps_of_a_batch(world: World) -> int:
 
 
 def _stages(world: World) -> dict[str, Stage]:
-    """The stages by the names that they have in reports."""
+    """The stages by their names in reports."""
     inner = (*world.force_program.stages, *world.substep_program.stages)
     return {f"motion: {stage.name}": stage for stage in inner} | {stage.name: stage for stage in world.program.stages}
 
@@ -74,7 +74,7 @@ def _name(kernel: object) -> str:
 
 
 def compiled(world: World) -> dict[str, list[str]]:
-    """The kernels of a world's stages, and those that they call, by module."""
+    """Names of the kernels of a world's stages and of all kernels that they call, by module."""
     names = {_name(kernel) for stage in _stages(world).values() if stage.kernel for kernel in reached(stage.kernel)}
     modules: dict[str, list[str]] = {}
     for module, function in sorted(name.rsplit(".", 1) for name in names):

@@ -1,4 +1,4 @@
-"""`drone_engine explain` tells the truth: what is on, what is off and why, and what the stages of a step take."""
+"""`drone_engine explain` is right about what is on, what is off and why, and about the cost of stages."""
 
 import io
 import json
@@ -11,6 +11,7 @@ import pytest
 from rich.console import Console
 
 from drone_engine import Scene, effects
+from drone_engine import __main__ as command
 from drone_engine.explain.__main__ import explain, main
 from drone_engine.explain.costs import compiled, measure
 from drone_engine.explain.features import features
@@ -18,7 +19,6 @@ from drone_engine.program.profile import Laps, reading, times
 from drone_engine.program.program import Program
 from drone_engine.program.stage import in_python
 from drone_engine.world import World
-from drone_sim import __main__ as command
 
 Make = Callable[..., World]
 DRONE = ("drone: {model: drone, mass: 1.4, pose: [0, 0, 1], flight: {}}\n"
@@ -33,13 +33,13 @@ def told(world: World) -> dict[tuple[str, str], tuple[bool, str]]:
 def test_every_effect_is_on_or_off_and_says_why(world: Make) -> None:
     found = told(world(CRATE, "effects: {gravity: {acceleration: 1.6}, ground_effect: {}, gusts: {}}"))
     assert {name for group, name in found if group == "effects"} == set(effects.EFFECTS)
-    assert found["effects", "drag"] == (False, "not named by the scene")
+    assert found["effects", "drag"] == (False, "not in the scene")
     assert found["effects", "gravity"] == (True, "acceleration 1.6")
-    assert found["effects", "ground_effect"] == (False, "named by the scene, but no drone in the scene has rotors")
+    assert found["effects", "ground_effect"] == (False, "in the scene, but no drone in the scene has rotors")
     on, why = found["effects", "gusts"]
-    assert on and why.endswith("nothing feels the air: name drag or linear_drag")
+    assert on and why.endswith("nothing uses the velocity of the air: add drag or linear_drag")
     on, why = told(world(CRATE, "effects: {drag: {}, gusts: {}}"))["effects", "gusts"]
-    assert on and "nothing feels" not in why
+    assert on and "nothing uses" not in why
 
 
 def test_flight_and_collision_are_explained(world: Make) -> None:
@@ -47,18 +47,18 @@ def test_flight_and_collision_are_explained(world: Make) -> None:
     assert bare["flight", "direct"] == bare["flight", "quadrotor"] == (False, "no drone in the scene")
     assert bare["flight", "rotors"] == (False, "no object is a rotor")
     assert flying["flight", "direct"] == (True, "drone")
-    assert flying["flight", "quadrotor"] == (False, "no drone flies by it")
-    assert flying["collision", "meshes"] == (False, "no mesh is read, as no pair meets at octree or triangle")
+    assert flying["flight", "quadrotor"] == (False, "no drone uses it")
+    assert flying["collision", "meshes"] == (False, "no mesh is read: no pair uses octree or triangle")
     fine = told(world(DRONE + CRATE, "collision: {level: triangle}"))
     assert fine["collision", "triangle"][0] and not fine["collision", "obb"][0]
     assert fine["collision", "meshes"] == (True, "drone, crate_0, crate_1")
     euler = told(world(CRATE, "dynamics: {integrator: semi_implicit_euler}"))
     assert euler["dynamics", "semi_implicit_euler"][0]
-    assert euler["dynamics", "midpoint"] == (False, "the scene asks for semi_implicit_euler")
-    assert bare["dynamics", "sleep"] == (True, "what rests is left out until it is touched")
-    assert told(world(CRATE, "dynamics: {sleep: false}"))["dynamics", "sleep"] == (False, "the scene says sleep: false")
-    assert told(world(CRATE, "effects: {gusts: {}}"))["dynamics", "sleep"] == (False, "gusts may move what rests")
-    assert bare["picture", "water"] == (False, "not named by the scene")
+    assert euler["dynamics", "midpoint"] == (False, "the scene uses semi_implicit_euler")
+    assert bare["dynamics", "sleep"] == (True, "bodies at rest are skipped until something touches them")
+    assert told(world(CRATE, "dynamics: {sleep: false}"))["dynamics", "sleep"] == (False, "the scene has sleep: false")
+    assert told(world(CRATE, "effects: {gusts: {}}"))["dynamics", "sleep"] == (False, "gusts may move bodies at rest")
+    assert bare["picture", "water"] == (False, "not in the scene")
 
 
 def test_clock_readings_between_stages_change_nothing(world: Make) -> None:
@@ -109,7 +109,7 @@ def test_costs_name_stages_and_kernels(scene: Callable[..., Scene], monkeypatch:
     assert {cost.stage: cost.kernel for cost in costs.stages}["motion: gravity"] == "effects.gravity.pull"
     assert costs.real_time_factor == pytest.approx(1e6 / 30 / costs.step_us)
     assert {"pull"} == set(costs.kernels["effects.gravity"])
-    assert "matrix" in costs.kernels["rotation"]  # called by others
+    assert "matrix" in costs.kernels["math.quaternion"]  # called by others
     assert "effects.drag" not in costs.kernels
 
 
@@ -125,15 +125,15 @@ def test_it_prints_for_people_and_for_programs(
     console = Console(record=True, width=120, file=io.StringIO())
     explain(tiny, console)
     text = console.export_text()
-    for words in ("gravity", "not named by the scene", "effects.gravity.pull", "times real time", "kernels compiled"):
+    for words in ("gravity", "not in the scene", "effects.gravity.pull", "times real time", "kernels compiled"):
         assert words in text
     assert main([str(tiny.path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert {"name": "drag", "group": "effects", "on": False, "why": "not named by the scene"} in found["features"]
+    assert {"name": "drag", "group": "effects", "on": False, "why": "not in the scene"} in found["features"]
     assert found["step_us"] > 0.0 and np.isfinite(found["real_time_factor"])
 
 
-def test_a_scene_that_is_none_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("sys.argv", ["drone_sim", "explain", "atlantis"])
+def test_an_unknown_scene_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.argv", ["drone_engine", "explain", "atlantis"])
     assert command.main() == 1
-    assert re.fullmatch(r"drone_sim: no scene 'atlantis'; there are .*\n", capsys.readouterr().err)
+    assert re.fullmatch(r"drone_engine explain: no scene 'atlantis'; there are .*\n", capsys.readouterr().err)
