@@ -18,7 +18,7 @@ from bench.collision.inputs import Boxes, Mesh
 from bench.report.clock import Times, side_by_side
 from bench.report.results import Row, report
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.broad_phase.grid import Grid
 from drone_engine.collision.mesh import octree, traversal
 

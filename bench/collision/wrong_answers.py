@@ -9,7 +9,7 @@ from bench.collision import libraries
 from bench.collision.inputs import Boxes
 from bench.report.results import Row
 from drone_engine.arrays import Booleans, Floats
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.triangle import intersection as triangle
 from reference import box_families, box_oracle, textbook, triangle_families, triangle_oracle
 

@@ -21,7 +21,7 @@ from bench.hard_cases import motion
 from bench.report.results import Row, report
 from drone_engine.arrays import Booleans
 from drone_engine.collision import Shape, intersects
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.broad_phase.grid import Grid
 from drone_engine.collision.triangle import intersection as triangle
 from drone_engine.collision_level import OBB, OCTREE, SPHERE, TRIANGLE

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from reference.box_families import FAMILIES, QUARTERS, Pairs
 from reference.box_oracle import all_boxes_touch, boxes_touch
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from drone_engine.arrays import Floats
 from drone_engine.collision import OBB, SPHERE, Shape
-from drone_engine.collision.box import box as obb
-from drone_engine.collision.box import sphere
+from drone_engine.collision.box import obb, sphere
 from drone_engine.collision.manifold import Manifolds
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.mesh.shape import axes_at

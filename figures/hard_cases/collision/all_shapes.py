@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.mesh import octree
 from drone_engine.collision.triangle import intersection as triangle

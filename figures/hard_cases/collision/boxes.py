@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drone_engine.arrays import Booleans, Floats
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from figures import style
 from reference import textbook
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box.box import Boxes, scratch
 from drone_engine.collision.box.contacts import find_box_contacts, find_sphere_and_plane_contacts
+from drone_engine.collision.box.obb import Boxes, scratch
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.broad_phase.grid import find_pairs, retune_threshold, set_all_bounds, set_bounds
 from drone_engine.collision.continuous.impacts import Impacts

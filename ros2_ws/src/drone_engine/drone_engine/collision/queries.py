@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box, sphere
+from drone_engine.collision.box import obb, sphere
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import traversal
 from drone_engine.collision.mesh.narrow import Meshes
@@ -68,8 +68,8 @@ def contacts(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: in
 
 
 def _box_contacts(parts: Integers, *boxes: Floats) -> Contacts:
-    """The contacts of k pairs of boxes with these `parts` (k, 2); boxes: as `box.contacts` takes them."""
-    found = box.contacts(*boxes)
+    """The contacts of k pairs of boxes with these `parts` (k, 2); boxes: as `obb.contacts` takes them."""
+    found = obb.contacts(*boxes)
     points = np.diff(found.first)
     return Contacts(found.point, np.repeat(found.normal, points, axis=0), -found.separation,
                     np.repeat(parts[found.number], points, axis=0))
@@ -102,7 +102,7 @@ def _intersects(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level: int
     if level == SPHERE:
         return sphere.intersects(*a.bounding_spheres(poses_a), *b.bounding_spheres(poses_b))
     if level == OBB:
-        return box.intersects(*a.bounding_boxes(poses_a), *b.bounding_boxes(poses_b))
+        return obb.intersects(*a.bounding_boxes(poses_a), *b.bounding_boxes(poses_b))
     if level in (OCTREE, TRIANGLE):
         return traversal.intersects(a.tree, poses_a, b.tree, poses_b, boxes=level == OCTREE)
     raise _no_level(level)

@@ -7,8 +7,8 @@ Kernels take pair_a, pair_b (k,), floor_height (k,) in m, NaN without a plane, c
 import numpy as np
 
 from drone_engine.collision.box import plane, sphere
-from drone_engine.collision.box.box import load_ordered
 from drone_engine.collision.box.clipping import write_edge_manifolds, write_face_manifolds
+from drone_engine.collision.box.obb import load_ordered
 from drone_engine.collision.box.sat import BLOCK, MARGIN, WIDEST, find_contact_axes
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel

@@ -21,7 +21,7 @@ PAIRS = np.array([(i, j) for j in range(9) for i in range(j)])  # of axes; the f
 
 
 @kernel
-def touch(center_a, axes_a, half_a, center_b, axes_b, half_b, axis, half, total, probe):
+def boxes_touch(center_a, axes_a, half_a, center_b, axes_b, half_b, axis, half, total, probe):
     """Whether two boxes touch, exactly: 1 or 0, or -1 for numbers that are not finite and negative half extents.
 
     center (3,), axes (9,), one after the other, of any length and angle, half (3,). Scratch: axis (9, 3), half (9,),

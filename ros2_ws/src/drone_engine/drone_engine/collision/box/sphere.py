@@ -14,7 +14,7 @@ SMALL, LARGE = 1e-280, 1e300  # m2; beyond these, rounding errors are not relati
 
 
 @kernel
-def touch(ax, ay, az, ra, bx, by, bz, rb, acc):
+def spheres_touch(ax, ay, az, ra, bx, by, bz, rb, acc):
     """Whether two spheres with centers a, b and radii ra, rb touch: |b - a|^2 <= (ra + rb)^2, exactly.
 
     acc: an accumulator that holds 0, as it does again afterwards.
@@ -90,7 +90,7 @@ def _intersects(center_a, radius_a, center_b, radius_b, hit):
         ra, rb = radius_a[k], radius_b[k]
         if not _is_valid(ax, ay, az, ra) or not _is_valid(bx, by, bz, rb):
             return k
-        hit[k] = touch(ax, ay, az, ra, bx, by, bz, rb, acc)
+        hit[k] = spheres_touch(ax, ay, az, ra, bx, by, bz, rb, acc)
     return -1
 
 

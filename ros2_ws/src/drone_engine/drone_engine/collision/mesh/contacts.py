@@ -5,7 +5,7 @@ in penetration; feature (k,), an identifier that is stable from step to step. Ea
 that do not fit are counted, not written. position: (n, 3) m; axes: (n, 3, 3), one a row; world frame.
 """
 
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.mesh import features
 from drone_engine.collision.mesh.topology import CORNER
 from drone_engine.collision.mesh.transforms import axes_rotation, transform_point

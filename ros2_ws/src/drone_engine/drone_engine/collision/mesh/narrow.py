@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import octree, traversal
 from drone_engine.collision.mesh.contacts import (

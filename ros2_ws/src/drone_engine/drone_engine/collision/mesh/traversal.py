@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision import exact_arithmetic
-from drone_engine.collision.box import exact as box_exact
+from drone_engine.collision.box.exact import boxes_touch
 from drone_engine.collision.mesh.node_boxes import (
     LANES,
     MIN_SLACK,
@@ -60,7 +60,7 @@ class TraversalScratch(NamedTuple):
     query_box: NDArray[np.float32]  # (15,) a node's box in the other tree's frame
     triangle: Floats  # (1, 3, 3) a triangle of b in the frame of a
     leaf_boxes: Floats  # (2, 15) a leaf's box of each in the world
-    axis: Floats  # (9, 3); this and the rest are scratch of box.exact.touch
+    axis: Floats  # (9, 3); this and the rest are scratch of boxes_touch
     half: Floats
     total: Integers
     probe: Integers
@@ -354,8 +354,7 @@ def _leaf_boxes_overlap(box_a, i, pose_a, pad_a, box_b, j, pose_b, pad_b, work):
     a, b = work.leaf_boxes[0], work.leaf_boxes[1]
     transform_box(box_a, i, pose_rotation(pose_a), pose_a, pad_a, a)
     transform_box(box_b, j, pose_rotation(pose_b), pose_b, pad_b, b)
-    return box_exact.touch(a[:3], a[3:12], a[12:], b[:3], b[3:12], b[12:], work.axis, work.half, work.total,
-                           work.probe)
+    return boxes_touch(a[:3], a[3:12], a[12:], b[:3], b[3:12], b[12:], work.axis, work.half, work.total, work.probe)
 
 
 @kernel

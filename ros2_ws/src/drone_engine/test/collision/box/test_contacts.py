@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drone_engine.collision.box import box, plane, sat
+from drone_engine.collision.box import obb, plane, sat
 from drone_engine.collision.placement import set_all_axes
 from drone_engine.world import World
 
@@ -22,8 +22,8 @@ def contact(pose_a: np.ndarray, half_a: np.ndarray, pose_b: np.ndarray, half_b: 
     set_all_axes(poses[:, 3:], axes)
     points, normal, point, separation = np.zeros(1, np.int64), np.zeros((1, 3)), np.zeros((1, 8, 3)), np.zeros((1, 8))
     feature = np.zeros((1, 8), np.int64)
-    boxes = box.Boxes(poses[:, :3], axes, np.array([half_a, half_b], float))
-    count = box.contact(boxes, 0, boxes, 1, margin, 0, points, normal, point, separation, feature, box.scratch())
+    boxes = obb.Boxes(poses[:, :3], axes, np.array([half_a, half_b], float))
+    count = obb.contact(boxes, 0, boxes, 1, margin, 0, points, normal, point, separation, feature, obb.scratch())
     return count, normal[0], point[0, :count], separation[0, :count], feature[0, :count]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import box as obb
+from drone_engine.collision.box import obb
 from drone_engine.collision.mesh import octree, traversal
 from drone_engine.collision.mesh.octree import Octree
 from drone_engine.collision.triangle.contact import contacts

@@ -5,7 +5,7 @@ axes one a row, half extents in m. Boxes are closed: touching is a hit. Two boxe
 their six axes separates them, which makes 15 separating axes (Gottschalk, Lin and Manocha 1996, OBBTree): for the two
 vectors u, v and the offset d of the centers, |det(u, v, d)| <= sum of half_k |det(u, v, axis_k)| over all six.
 
-Blocks of pairs are tested at once in floating point; pairs that its error bound leaves undecided go to `exact.touch`.
+Blocks of pairs are tested at once in floating point; pairs that its error bound leaves undecided go to `boxes_touch`.
 """
 
 from typing import NamedTuple
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.box import exact
 from drone_engine.collision.box.clipping import CUT, write_edge_manifolds, write_face_manifolds
+from drone_engine.collision.box.exact import boxes_touch
 from drone_engine.collision.box.sat import (
     BLOCK,
     CENTER_A,
@@ -72,11 +72,11 @@ def _write_decided(first, count, verdict, hit):
 def _write_undecided(first, count, center_a, axes_a, half_a, center_b, axes_b, half_b, hit, verdict, axis, half, total,
                      probe):
     """Writes the exact answers for the undecided pairs of a block to hit[first:]; returns the first pair with a number
-    that no box has, or -1. The boxes are flat arrays; axis, half, total, probe: scratch of `exact.touch`."""
+    that no box has, or -1. The boxes are flat arrays; axis, half, total, probe: scratch of `boxes_touch`."""
     for k in range(first, first + count):
         if verdict[k - first] == UNDECIDED:
             p, q, r, s = 3 * k, 3 * k + 3, 9 * k, 9 * k + 9
-            answer = exact.touch(center_a[p:q], axes_a[r:s], half_a[p:q], center_b[p:q], axes_b[r:s], half_b[p:q],
+            answer = boxes_touch(center_a[p:q], axes_a[r:s], half_a[p:q], center_b[p:q], axes_b[r:s], half_b[p:q],
                                  axis, half, total, probe)
             if answer < 0:
                 return k

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drone_engine.collision.box.box import contacts, intersects
+from drone_engine.collision.box.obb import contacts, intersects
 from drone_engine.math.rotation import matrix
 
 Boxes = list[np.ndarray]
