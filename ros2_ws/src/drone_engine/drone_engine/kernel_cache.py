@@ -104,6 +104,14 @@ class KernelCache(FunctionCache):
 
     _impl_class = _Implementation
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """As numba's, but an index that refers to a module or record that no longer exists counts as out of date."""
+        try:
+            return super().load_overload(sig, target_context)
+        except (ImportError, AttributeError):
+            self.flush()
+            return None
+
 
 def generated_folder() -> Path:
     """Folder of the modules that program.py writes."""

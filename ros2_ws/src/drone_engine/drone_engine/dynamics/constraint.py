@@ -1,235 +1,284 @@
-"""One unit of contacts, lane by lane: its normal impulses by their couplings, then its friction.
+"""One contact constraint, in one lane of its group: apply impulses, update the separation, solve.
 
-The speeds of all points are worked out at once, each impulse changes those of the points after it, and the bodies get
-the sum, which is what impulses one by one would do. No branches: the compiler takes a loop over lanes in one step.
+A constraint is solved as its points would be one after the other (Gauss-Seidel): the normal velocities of all points
+are computed at once, each impulse changes those of the points after it through their couplings, and the bodies get the
+sum. No branches, so that loops over lanes are vectorized. Argument names and units as in contact_table.py.
 """
 
 import math
+from typing import NamedTuple
 
-from drone_engine.dynamics.contact_constraints import (
-    ACROSS,
-    ALIKE,
-    ALONG,
+from drone_engine.dynamics.contact_table import (
     ANCHOR,
-    CENTRE_A,
-    CENTRE_B,
-    COMMON,
+    BASE_SEPARATION,
+    CENTER_A,
+    CENTER_B,
+    DISPLACEMENT_A,
+    DISPLACEMENT_B,
     FRICTION,
-    GAP,
-    HURRY,
-    IMPULSE,
-    INERTIA_A,
-    INERTIA_B,
+    INV_INERTIA_A,
+    INV_INERTIA_B,
+    INV_MASS_A,
+    INV_MASS_B,
     K01,
     K02,
     K03,
     K12,
     K13,
     K23,
+    L2,
+    L3,
     LANES,
-    LIGHT_A,
-    LIGHT_B,
-    MASS,
-    MASS_11,
-    MASS_12,
-    MASS_22,
-    PUSHED_ACROSS,
-    PUSHED_ALONG,
-    RADIUS,
-    START,
+    NORMAL,
+    NORMAL_IMPULSE,
+    NORMAL_MASS,
+    RESIDUAL,
+    SEPARATION,
+    SOFT,
+    TANGENT_1,
+    TANGENT_2,
+    TANGENT_IMPULSE_1,
+    TANGENT_IMPULSE_2,
+    TANGENT_MASS_11,
+    TANGENT_MASS_12,
+    TANGENT_MASS_22,
+    TWIST_IMPULSE,
     TWIST_MASS,
-    TWISTED,
-    turn,
+    TWIST_RADIUS,
+    UNIFORM_MASS,
+    UNIFORM_RESPONSE,
+    VELOCITY_A,
+    VELOCITY_B,
+    at_anchors,
+    cross,
+    inverse_inertia_times,
+    per_point,
+    point_velocity,
+    set_per_point,
+    set_vector,
+    vector,
 )
 from drone_engine.kernel import inlined
 
-PUSH_OUT_SPEED = 0.8  # m/s, the fastest that overlapping bodies are parted
-ENOUGH = 1e-5  # m/s, the change of a speed with which a calm contact is met
-L2, L3, L4, L5 = 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES
-# What is gathered of the bodies of a group: velocities of a and of b, then how they moved.
-VELOCITY_A, VELOCITY_B, WAY_A, WAY_B, PRESSING, UNMET = (LANES * row for row in (0, 6, 12, 19, 26, 27))
-GATHERED = 28 * LANES
+MAX_PUSH_VELOCITY = 0.8  # m/s, the fastest at which penetrating bodies are pushed apart
+TOLERANCE = 1e-5  # m/s: a rigid constraint has converged when no impulse changes a velocity by more
+
+
+class Softness(NamedTuple):
+    """Coefficients of a soft constraint (Catto 2011, Soft Constraints; named as in Box2D)."""
+
+    bias_rate: float  # 1/s, velocity per m of penetration; 0 after bodies have moved (relaxation)
+    mass_scale: float  # of the effective mass
+    impulse_scale: float  # of the accumulated impulse, which is reduced by it
+    inv_h: float  # 1/s, sub-steps per second
 
 
 @inlined
-def apply(t, s, k, q, px, py, pz, rx, ry, rz, u, v, w):
-    """Gives both bodies the impulse q along the normal, whose sum over points times anchors is p for a and r for b, and
-    u, v along the tangents and w about the normal."""
-    x, y, z = t[k], t[LANES + k], t[L2 + k]
-    fx = u * t[ALONG + k] + v * t[ACROSS + k]
-    fy = u * t[ALONG + LANES + k] + v * t[ACROSS + LANES + k]
-    fz = u * t[ALONG + L2 + k] + v * t[ACROSS + L2 + k]
-    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
-    ax, ay, az = turn(t, INERTIA_A, k, (py * z - pz * y) + (cy * fz - cz * fy) + w * x,
-                      (pz * x - px * z) + (cz * fx - cx * fz) + w * y, (px * y - py * x) + (cx * fy - cy * fx) + w * z)
-    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
-    bx, by, bz = turn(t, INERTIA_B, k, (ry * z - rz * y) + (cy * fz - cz * fy) + w * x,
-                      (rz * x - rx * z) + (cz * fx - cx * fz) + w * y, (rx * y - ry * x) + (cx * fy - cy * fx) + w * z)
+def apply_impulses(t, v, k, q0, q1, q2, q3, tangent_1, tangent_2, twist):
+    """Applies to both bodies impulses q (N s) along the normal at the points, along the tangents at the center of
+    pressure (N s), and about the normal (N m s)."""
+    px, py, pz = at_anchors(t, ANCHOR, k, q0, q1, q2, q3)
+    rx, ry, rz = at_anchors(t, ANCHOR + L3, k, q0, q1, q2, q3)
+    _apply(t, v, k, q0 + q1 + q2 + q3, px, py, pz, rx, ry, rz, tangent_1, tangent_2, twist)
+
+
+@inlined
+def _apply(t, v, k, q, px, py, pz, rx, ry, rz, tangent_1, tangent_2, twist):
+    """The same, with q the sum of the normal impulses and p, r their sums over anchors of a and b (at_anchors)."""
+    x, y, z = vector(t, NORMAL, k)
+    fx = tangent_1 * t[TANGENT_1 + k] + tangent_2 * t[TANGENT_2 + k]
+    fy = tangent_1 * t[TANGENT_1 + LANES + k] + tangent_2 * t[TANGENT_2 + LANES + k]
+    fz = tangent_1 * t[TANGENT_1 + L2 + k] + tangent_2 * t[TANGENT_2 + L2 + k]
+    ax, ay, az = _angular_change(t, INV_INERTIA_A, CENTER_A, k, x, y, z, px, py, pz, fx, fy, fz, twist)
+    bx, by, bz = _angular_change(t, INV_INERTIA_B, CENTER_B, k, x, y, z, rx, ry, rz, fx, fy, fz, twist)
     fx, fy, fz = fx + q * x, fy + q * y, fz + q * z
-    m, n = t[LIGHT_A + k], t[LIGHT_B + k]
-    s[k], s[LANES + k], s[L2 + k] = s[k] - m * fx, s[LANES + k] - m * fy, s[L2 + k] - m * fz
-    s[L3 + k], s[L4 + k], s[L5 + k] = s[L3 + k] - ax, s[L4 + k] - ay, s[L5 + k] - az
-    e = VELOCITY_B + k
-    s[e], s[e + LANES], s[e + L2] = s[e] + n * fx, s[e + LANES] + n * fy, s[e + L2] + n * fz
-    s[e + L3], s[e + L4], s[e + L5] = s[e + L3] + bx, s[e + L4] + by, s[e + L5] + bz
+    m, n = t[INV_MASS_A + k], t[INV_MASS_B + k]
+    ux, uy, uz = vector(v, VELOCITY_A, k)
+    set_vector(v, VELOCITY_A, k, ux - m * fx, uy - m * fy, uz - m * fz)
+    wx, wy, wz = vector(v, VELOCITY_A + L3, k)
+    set_vector(v, VELOCITY_A + L3, k, wx - ax, wy - ay, wz - az)
+    ux, uy, uz = vector(v, VELOCITY_B, k)
+    set_vector(v, VELOCITY_B, k, ux + n * fx, uy + n * fy, uz + n * fz)
+    wx, wy, wz = vector(v, VELOCITY_B + L3, k)
+    set_vector(v, VELOCITY_B + L3, k, wx + bx, wy + by, wz + bz)
 
 
 @inlined
-def sum_of(t, at, q0, q1, q2, q3):
-    return q0 * t[at] + q1 * t[at + 6 * LANES] + q2 * t[at + 12 * LANES] + q3 * t[at + 18 * LANES]
+def _angular_change(t, inv_inertia, center, k, x, y, z, px, py, pz, fx, fy, fz, twist):
+    """Change of angular velocity, rad/s, by normal impulses (their sum over anchors: p), a friction impulse f at the
+    center of pressure, and a twist about the normal (x, y, z). Scalars only: a SIMD leaf."""
+    nx, ny, nz = cross(px, py, pz, x, y, z)
+    cx, cy, cz = vector(t, center, k)
+    ux, uy, uz = cross(cx, cy, cz, fx, fy, fz)
+    return inverse_inertia_times(t, inv_inertia, k, nx + ux + twist * x, ny + uy + twist * y, nz + uz + twist * z)
 
 
 @inlined
-def give(t, s, k, q0, q1, q2, q3, u, v, w):
-    """Gives both bodies impulses q at the points along the normal, u, v along the tangents and w about the normal."""
-    a = ANCHOR + k
-    apply(t, s, k, q0 + q1 + q2 + q3,
-          sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3),
-          sum_of(t, a + L3, q0, q1, q2, q3), sum_of(t, a + L4, q0, q1, q2, q3), sum_of(t, a + L5, q0, q1, q2, q3),
-          u, v, w)
+def update_separation(t, v, k):
+    """Updates the separation of each point from the displacement of the bodies since detection.
+
+    An anchor r that rotates by R moves along the normal n by n . ((R - 1) r) = r . (n x v + f (v (n . v) - n v^2)),
+    with v the rotation's axis times its sine and f = 1 / (1 + cosine).
+    """
+    x, y, z = vector(t, NORMAL, k)
+    ax, ay, az = vector(v, DISPLACEMENT_A, k)
+    bx, by, bz = vector(v, DISPLACEMENT_B, k)
+    centers = x * (bx - ax) + y * (by - ay) + z * (bz - az)
+    ax, ay, az = _rotated_normal(v, DISPLACEMENT_A + L3, k, x, y, z)
+    bx, by, bz = _rotated_normal(v, DISPLACEMENT_B + L3, k, x, y, z)
+    s0, s1, s2, s3 = per_point(t, BASE_SEPARATION, k)
+    set_per_point(t, SEPARATION, k,
+                  s0 + point_velocity(t, k, 0, centers, ax, ay, az, bx, by, bz),
+                  s1 + point_velocity(t, k, 1, centers, ax, ay, az, bx, by, bz),
+                  s2 + point_velocity(t, k, 2, centers, ax, ay, az, bx, by, bz),
+                  s3 + point_velocity(t, k, 3, centers, ax, ay, az, bx, by, bz))
 
 
 @inlined
-def _bias(t, k, rate, per):
-    """The speed at which a point (k: its place in a row of four) shall part: a gap may close within this sub-step, and
-    no faster; an overlap is pushed apart."""
-    gap = t[GAP + k]
-    push = max(rate * gap, -PUSH_OUT_SPEED)
-    return gap * per if gap > 0.0 else push
+def _rotated_normal(v, row, k, x, y, z):
+    """n x v + f (v (n . v) - n v^2) of update_separation; row: of the rotation in v."""
+    ux, uy, uz = vector(v, row, k)
+    f = v[row + L3 + k]
+    along, square = f * (x * ux + y * uy + z * uz), f * (ux * ux + uy * uy + uz * uz)
+    cx, cy, cz = cross(x, y, z, ux, uy, uz)
+    return cx + ux * along - x * square, cy + uy * along - y * square, cz + uz * along - z * square
 
 
 @inlined
-def _impulse(t, k, p, common, speed, bias, rate, scale, loss):
-    """The impulse at a point that has had p, and `common` with all others, and parts at this speed."""
-    mass = t[MASS + k]
-    apart = t[GAP + k] > 0.0
-    soft = mass * scale
-    mass = mass if apart else soft
-    mass = 0.0 if apart & (p == 0.0) & (rate == 0.0) else mass
-    kept = p - loss * p
-    kept = (p if apart else kept) + common
-    return max(kept - mass * (speed + bias), 0.0)
+def solve_constraint(t, v, k, softness):
+    """Solves the normal impulses, then friction with the limits that follow from them: one Gauss-Seidel iteration.
 
+    Changes the impulses in t and the velocities in v, and writes the residual (0 or less: converged, or soft).
+    """
+    soft = t[SOFT + k]
+    impulse_scale = softness.impulse_scale * soft
+    mass_scale = 1.0 - (1.0 - softness.mass_scale) * soft
+    bias_rate, inv_h = softness.bias_rate, softness.inv_h
 
-@inlined
-def _lacks(t, k, p, lack, rate):
-    """What a point lacks in speed; nothing without springs (rate 0), when bodies have moved already, if it has not met:
-    it will in the next sub-step."""
-    return 1.0 if (t[GAP + k] > 0.0) & (p == 0.0) & (rate == 0.0) else lack
+    # Separation velocities of the points
+    x, y, z = vector(t, NORMAL, k)
+    ux, uy, uz = vector(v, VELOCITY_A, k)
+    wax, way, waz = vector(v, VELOCITY_A + L3, k)
+    dx, dy, dz = vector(v, VELOCITY_B, k)
+    wbx, wby, wbz = vector(v, VELOCITY_B + L3, k)
+    dx, dy, dz = dx - ux, dy - uy, dz - uz
+    centers = x * dx + y * dy + z * dz
+    ax, ay, az = cross(x, y, z, wax, way, waz)
+    bx, by, bz = cross(x, y, z, wbx, wby, wbz)
+    s0 = point_velocity(t, k, 0, centers, ax, ay, az, bx, by, bz)
+    s1 = point_velocity(t, k, 1, centers, ax, ay, az, bx, by, bz)
+    s2 = point_velocity(t, k, 2, centers, ax, ay, az, bx, by, bz)
+    s3 = point_velocity(t, k, 3, centers, ax, ay, az, bx, by, bz)
 
+    # A uniform impulse, if all points need one
+    p0, p1, p2, p3 = per_point(t, NORMAL_IMPULSE, k)
+    b0, b1 = _bias(t, k, 0, bias_rate, inv_h), _bias(t, k, 1, bias_rate, inv_h)
+    b2, b3 = _bias(t, k, 2, bias_rate, inv_h), _bias(t, k, 3, bias_rate, inv_h)
+    uniform = _uniform_impulse(t, k, _error(t, k, 0, p0, s0 + b0, bias_rate), _error(t, k, 1, p1, s1 + b1, bias_rate),
+                               _error(t, k, 2, p2, s2 + b2, bias_rate), _error(t, k, 3, p3, s3 + b3, bias_rate))
+    r0, r1, r2, r3 = per_point(t, UNIFORM_RESPONSE, k)
+    s0, s1, s2, s3 = s0 + uniform * r0, s1 + uniform * r1, s2 + uniform * r2, s3 + uniform * r3
+    m0, m1, m2, m3 = per_point(t, NORMAL_MASS, k)
+    u0, u1 = uniform if m0 > 0.0 else 0.0, uniform if m1 > 0.0 else 0.0
+    u2, u3 = uniform if m2 > 0.0 else 0.0, uniform if m3 > 0.0 else 0.0
 
-@inlined
-def _in_common(t, k, e0, e1, e2, e3):
-    """The impulse that all points of a unit get first if all of them meet: what falls flat is not turned by the order
-    in which its corners are met. e: by how much they should part faster, negative."""
-    m0, m1 = t[MASS + k] > 0.0, t[MASS + LANES + k] > 0.0
-    m2, m3 = t[MASS + L2 + k] > 0.0, t[MASS + L3 + k] > 0.0
-    all_meet = ((e0 < 0.0) | (not m0)) & ((e1 < 0.0) | (not m1)) & ((e2 < 0.0) | (not m2)) & ((e3 < 0.0) | (not m3))
-    total = (e0 if m0 else 0.0) + (e1 if m1 else 0.0) + (e2 if m2 else 0.0) + (e3 if m3 else 0.0)
-    return -total * t[COMMON + k] if all_meet else 0.0
-
-
-@inlined
-def speed_of(t, k, p, apart, ax, ay, az, bx, by, bz):
-    """The speed at which point p parts; apart: that of the bodies' centres, a, b: the normal times their spins."""
-    at = ANCHOR + 6 * LANES * p + k
-    return (apart + (bx * t[at + L3] + by * t[at + L4] + bz * t[at + L5])
-            - (ax * t[at] + ay * t[at + LANES] + az * t[at + L2]))
-
-
-@inlined
-def follow(t, s, k):
-    """Brings the gaps to where the bodies are now: n ((R - 1) r) = r (n x v + f (v (n v) - n v^2)), with the rotation's
-    axis times its sine v and f = 1 / (1 + cos)."""
-    x, y, z = t[k], t[LANES + k], t[L2 + k]
-    a, b = WAY_A + k, WAY_B + k
-    way = x * (s[b] - s[a]) + y * (s[b + LANES] - s[a + LANES]) + z * (s[b + L2] - s[a + L2])
-    u, v, w, f = s[a + L3], s[a + L4], s[a + L5], s[a + 6 * LANES]
-    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
-    ax, ay, az = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
-                  x * v - y * u + w * along - z * square)
-    u, v, w, f = s[b + L3], s[b + L4], s[b + L5], s[b + 6 * LANES]
-    along, square = f * (x * u + y * v + z * w), f * (u * u + v * v + w * w)
-    bx, by, bz = (y * w - z * v + u * along - x * square, z * u - x * w + v * along - y * square,
-                  x * v - y * u + w * along - z * square)
-    t[GAP + k] = t[START + k] + speed_of(t, k, 0, way, ax, ay, az, bx, by, bz)
-    t[GAP + LANES + k] = t[START + LANES + k] + speed_of(t, k, 1, way, ax, ay, az, bx, by, bz)
-    t[GAP + L2 + k] = t[START + L2 + k] + speed_of(t, k, 2, way, ax, ay, az, bx, by, bz)
-    t[GAP + L3 + k] = t[START + L3 + k] + speed_of(t, k, 3, way, ax, ay, az, bx, by, bz)
-
-
-@inlined
-def press(t, s, k, rate, scale, loss, per):
-    """Meets the normal conditions of a unit, then those of friction."""
-    hurry = t[HURRY + k]
-    loss = loss * hurry
-    scale = 1.0 - (1.0 - scale) * hurry
-    x, y, z = t[k], t[LANES + k], t[L2 + k]
-    wax, way, waz = s[L3 + k], s[L4 + k], s[L5 + k]
-    e = VELOCITY_B + k
-    wbx, wby, wbz = s[e + L3], s[e + L4], s[e + L5]
-    dx, dy, dz = s[e] - s[k], s[e + LANES] - s[LANES + k], s[e + L2] - s[L2 + k]
-    apart = x * dx + y * dy + z * dz
-    ax, ay, az = y * waz - z * way, z * wax - x * waz, x * way - y * wax
-    bx, by, bz = y * wbz - z * wby, z * wbx - x * wbz, x * wby - y * wbx
-    s0, s1 = speed_of(t, k, 0, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 1, apart, ax, ay, az, bx, by, bz)
-    s2, s3 = speed_of(t, k, 2, apart, ax, ay, az, bx, by, bz), speed_of(t, k, 3, apart, ax, ay, az, bx, by, bz)
-    p0, p1 = t[IMPULSE + k], t[IMPULSE + LANES + k]
-    p2, p3 = t[IMPULSE + L2 + k], t[IMPULSE + L3 + k]
-    b0, b1 = _bias(t, k, rate, per), _bias(t, LANES + k, rate, per)
-    b2, b3 = _bias(t, L2 + k, rate, per), _bias(t, L3 + k, rate, per)
-    common = _in_common(t, k, _lacks(t, k, p0, s0 + b0, rate), _lacks(t, LANES + k, p1, s1 + b1, rate),
-                        _lacks(t, L2 + k, p2, s2 + b2, rate), _lacks(t, L3 + k, p3, s3 + b3, rate))
-    s0, s1 = s0 + common * t[ALIKE + k], s1 + common * t[ALIKE + LANES + k]
-    s2, s3 = s2 + common * t[ALIKE + L2 + k], s3 + common * t[ALIKE + L3 + k]
-    c0 = common if t[MASS + k] > 0.0 else 0.0
-    c1 = common if t[MASS + LANES + k] > 0.0 else 0.0
-    c2 = common if t[MASS + L2 + k] > 0.0 else 0.0
-    c3 = common if t[MASS + L3 + k] > 0.0 else 0.0
-    n0 = _impulse(t, k, p0, c0, s0, b0, rate, scale, loss)
+    # Normal impulses, point by point
+    n0 = _normal_impulse(t, k, 0, p0, u0, s0, b0, bias_rate, mass_scale, impulse_scale)
     q0 = n0 - p0
-    d = q0 - c0
+    d = q0 - u0
     s1, s2, s3 = s1 + t[K01 + k] * d, s2 + t[K02 + k] * d, s3 + t[K03 + k] * d
-    n1 = _impulse(t, LANES + k, p1, c1, s1, b1, rate, scale, loss)
+    n1 = _normal_impulse(t, k, 1, p1, u1, s1, b1, bias_rate, mass_scale, impulse_scale)
     q1 = n1 - p1
-    d = q1 - c1
+    d = q1 - u1
     s2, s3 = s2 + t[K12 + k] * d, s3 + t[K13 + k] * d
-    n2 = _impulse(t, L2 + k, p2, c2, s2, b2, rate, scale, loss)
+    n2 = _normal_impulse(t, k, 2, p2, u2, s2, b2, bias_rate, mass_scale, impulse_scale)
     q2 = n2 - p2
-    s3 = s3 + t[K23 + k] * (q2 - c2)
-    n3 = _impulse(t, L3 + k, p3, c3, s3, b3, rate, scale, loss)
+    s3 = s3 + t[K23 + k] * (q2 - u2)
+    n3 = _normal_impulse(t, k, 3, p3, u3, s3, b3, bias_rate, mass_scale, impulse_scale)
     q3 = n3 - p3
-    t[IMPULSE + k], t[IMPULSE + LANES + k], t[IMPULSE + L2 + k], t[IMPULSE + L3 + k] = n0, n1, n2, n3
-    s[UNMET + k] = (1.0 - hurry) * max(max(abs(q0) - ENOUGH * t[MASS + k], abs(q1) - ENOUGH * t[MASS + LANES + k]),
-                                       max(abs(q2) - ENOUGH * t[MASS + L2 + k], abs(q3) - ENOUGH * t[MASS + L3 + k]))
-    a = ANCHOR + k
+    set_per_point(t, NORMAL_IMPULSE, k, n0, n1, n2, n3)
+    v[RESIDUAL + k] = (1.0 - soft) * max(max(abs(q0) - TOLERANCE * m0, abs(q1) - TOLERANCE * m1),
+                                         max(abs(q2) - TOLERANCE * m2, abs(q3) - TOLERANCE * m3))
+
+    # Relative velocity at the center of pressure after the normal impulses
     q = q0 + q1 + q2 + q3
-    px, py, pz = sum_of(t, a, q0, q1, q2, q3), sum_of(t, a + LANES, q0, q1, q2, q3), sum_of(t, a + L2, q0, q1, q2, q3)
-    rx, ry, rz = sum_of(t, a + L3, q0, q1, q2, q3), sum_of(t, a + L4, q0, q1, q2, q3), sum_of(t, a + L5, q0, q1, q2, q3)
-    # What the bodies will have of it, for friction
-    ax, ay, az = turn(t, INERTIA_A, k, py * z - pz * y, pz * x - px * z, px * y - py * x)
-    bx, by, bz = turn(t, INERTIA_B, k, ry * z - rz * y, rz * x - rx * z, rx * y - ry * x)
+    px, py, pz = at_anchors(t, ANCHOR, k, q0, q1, q2, q3)
+    rx, ry, rz = at_anchors(t, ANCHOR + L3, k, q0, q1, q2, q3)
+    ax, ay, az = cross(px, py, pz, x, y, z)
+    ax, ay, az = inverse_inertia_times(t, INV_INERTIA_A, k, ax, ay, az)
+    bx, by, bz = cross(rx, ry, rz, x, y, z)
+    bx, by, bz = inverse_inertia_times(t, INV_INERTIA_B, k, bx, by, bz)
     wax, way, waz, wbx, wby, wbz = wax - ax, way - ay, waz - az, wbx + bx, wby + by, wbz + bz
-    f = (t[LIGHT_A + k] + t[LIGHT_B + k]) * q
+    f = (t[INV_MASS_A + k] + t[INV_MASS_B + k]) * q
     dx, dy, dz = dx + f * x, dy + f * y, dz + f * z
-    cx, cy, cz = t[CENTRE_A + k], t[CENTRE_A + LANES + k], t[CENTRE_A + L2 + k]
-    dx, dy, dz = dx - (way * cz - waz * cy), dy - (waz * cx - wax * cz), dz - (wax * cy - way * cx)
-    cx, cy, cz = t[CENTRE_B + k], t[CENTRE_B + LANES + k], t[CENTRE_B + L2 + k]
-    dx, dy, dz = dx + (wby * cz - wbz * cy), dy + (wbz * cx - wbx * cz), dz + (wbx * cy - wby * cx)
-    pressed = n0 + n1 + n2 + n3
-    limit = t[FRICTION + k] * pressed
-    u = dx * t[ALONG + k] + dy * t[ALONG + LANES + k] + dz * t[ALONG + L2 + k]
-    v = dx * t[ACROSS + k] + dy * t[ACROSS + LANES + k] + dz * t[ACROSS + L2 + k]
-    p0, p1, p2 = t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k]
-    q0 = p0 - (t[MASS_11 + k] * u + t[MASS_12 + k] * v)
-    q1 = p1 - (t[MASS_12 + k] * u + t[MASS_22 + k] * v)
-    square = q0 * q0 + q1 * q1
-    shrink = limit / math.sqrt(square)
-    shrink = shrink if square > limit * limit else 1.0  # Coulomb's cone
-    q0, q1 = q0 * shrink, q1 * shrink
-    limit = limit * t[RADIUS + k]
-    q2 = p2 - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
-    q2 = min(max(q2, -limit), limit)
-    t[PUSHED_ALONG + k], t[PUSHED_ACROSS + k], t[TWISTED + k] = q0, q1, q2
-    apply(t, s, k, q, px, py, pz, rx, ry, rz, q0 - p0, q1 - p1, q2 - p2)
-    s[PRESSING + k] = pressed
+    cx, cy, cz = vector(t, CENTER_A, k)
+    ax, ay, az = cross(wax, way, waz, cx, cy, cz)
+    cx, cy, cz = vector(t, CENTER_B, k)
+    bx, by, bz = cross(wbx, wby, wbz, cx, cy, cz)
+    dx, dy, dz = dx - ax + bx, dy - ay + by, dz - az + bz
+
+    # Friction within Coulomb's cone, and the twist
+    limit = t[FRICTION + k] * (n0 + n1 + n2 + n3)
+    tx, ty, tz = vector(t, TANGENT_1, k)
+    u1 = dx * tx + dy * ty + dz * tz
+    tx, ty, tz = vector(t, TANGENT_2, k)
+    u2 = dx * tx + dy * ty + dz * tz
+    f1, f2, twist = t[TANGENT_IMPULSE_1 + k], t[TANGENT_IMPULSE_2 + k], t[TWIST_IMPULSE + k]
+    new_1 = f1 - (t[TANGENT_MASS_11 + k] * u1 + t[TANGENT_MASS_12 + k] * u2)
+    new_2 = f2 - (t[TANGENT_MASS_12 + k] * u1 + t[TANGENT_MASS_22 + k] * u2)
+    square = new_1 * new_1 + new_2 * new_2
+    scale = limit / math.sqrt(square)
+    scale = scale if square > limit * limit else 1.0
+    new_1, new_2 = new_1 * scale, new_2 * scale
+    limit = limit * t[TWIST_RADIUS + k]
+    new_twist = twist - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
+    new_twist = min(max(new_twist, -limit), limit)
+    t[TANGENT_IMPULSE_1 + k], t[TANGENT_IMPULSE_2 + k], t[TWIST_IMPULSE + k] = new_1, new_2, new_twist
+    _apply(t, v, k, q, px, py, pz, rx, ry, rz, new_1 - f1, new_2 - f2, new_twist - twist)
+
+
+@inlined
+def _bias(t, k, p, bias_rate, inv_h):
+    """The velocity that is added to that of point p, m/s: a positive separation may close within the sub-step, and no
+    faster (speculative contact); a penetration is pushed apart."""
+    separation = t[SEPARATION + p * LANES + k]
+    push = max(bias_rate * separation, -MAX_PUSH_VELOCITY)
+    return separation * inv_h if separation > 0.0 else push
+
+
+@inlined
+def _waits(t, k, p, impulse, bias_rate):
+    """Whether point p takes no part: in relaxation, a point that is apart and has had no impulse. It will meet in the
+    next sub-step, if at all."""
+    return (t[SEPARATION + p * LANES + k] > 0.0) & (impulse == 0.0) & (bias_rate == 0.0)
+
+
+@inlined
+def _error(t, k, p, impulse, error, bias_rate):
+    """The error of the velocity of point p, m/s: negative, if it needs an impulse."""
+    return 1.0 if _waits(t, k, p, impulse, bias_rate) else error
+
+
+@inlined
+def _uniform_impulse(t, k, e0, e1, e2, e3):
+    """The impulse that all points get first if all of them need one, N s at each, so that the order of the corners does
+    not rotate a body that lands flat. e: velocity errors, negative where an impulse is needed."""
+    m0, m1, m2, m3 = per_point(t, NORMAL_MASS, k)
+    m0, m1, m2, m3 = m0 > 0.0, m1 > 0.0, m2 > 0.0, m3 > 0.0
+    all_need = ((e0 < 0.0) | (not m0)) & ((e1 < 0.0) | (not m1)) & ((e2 < 0.0) | (not m2)) & ((e3 < 0.0) | (not m3))
+    total = (e0 if m0 else 0.0) + (e1 if m1 else 0.0) + (e2 if m2 else 0.0) + (e3 if m3 else 0.0)
+    return -total * t[UNIFORM_MASS + k] if all_need else 0.0
+
+
+@inlined
+def _normal_impulse(t, k, p, impulse, uniform, velocity, bias, bias_rate, mass_scale, impulse_scale):
+    """The accumulated normal impulse of point p, N s, 0 or more. impulse: that before; uniform: what it has had since,
+    with all others; velocity: separation velocity, m/s. Points that are apart are not soft."""
+    mass = t[NORMAL_MASS + p * LANES + k]
+    apart = t[SEPARATION + p * LANES + k] > 0.0
+    soft = mass * mass_scale
+    mass = mass if apart else soft
+    mass = 0.0 if _waits(t, k, p, impulse, bias_rate) else mass
+    kept = impulse - impulse_scale * impulse
+    kept = (impulse if apart else kept) + uniform
+    return max(kept - mass * (velocity + bias), 0.0)

@@ -1,21 +1,42 @@
-"""Velocities and positions of rigid bodies over a sub-step: the pieces that the schemes of schemes.py are made of."""
+"""Time integration of rigid bodies: velocities from forces, poses from velocities, over a time of h s.
+
+Kernels of state take BodyStates and Forces of n bodies, world frame, SI units, and a list of bodies (n + 1,): how many,
+and which. The others take and return numbers; angular velocities are in the frame that their docstrings name.
+All are inlined: a call would copy a hundred numbers that describe the arrays.
+"""
 
 import math
+from typing import NamedTuple
 
+from drone_engine.arrays import Floats
 from drone_engine.kernel import inlined, kernel
-from drone_engine.math.rotation import integrate_rotation, matrix, rotate
+from drone_engine.math.rotation import integrate_rotation, matrix, multiply, normalized, rotate
 
-NEWTON = 8  # iterations at most, which spins of more than a radian a sub-step take
+NEWTON_ITERATIONS = 8  # at most; rotations of more than a radian per step take that many
 CONVERGED = 1e-30  # of the square of an angular velocity
-SLOW = 1e-4  # square of the angle turned in a sub-step
+SLOW = 1e-4  # rad^2, square of the angle of rotation in a step, below which fixed-point iterations converge fast
+# Columns of the scratch (n, 26) of bodies that are integrated in stages: the state at the start, then, for Runge and
+# Kutta, the weighted sum of slopes with the same columns.
+POSITION, ORIENTATION, VELOCITY, ANGULAR_VELOCITY, SLOPES, TRIAL_FIELDS = 0, 3, 7, 10, 13, 26
+
+
+class BodyStates(NamedTuple):
+    """Poses and velocities of n bodies, at their centers of mass, in the world frame."""
+
+    position: Floats  # (n, 3) m
+    orientation: Floats  # (n, 4) unit quaternion x y z w
+    velocity: Floats  # (n, 3) m/s
+    angular_velocity: Floats  # (n, 3) rad/s
 
 
 @inlined
-def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
-    """Angular velocity after h s of torque t, both of the world; m: rotation matrix, i: principal moments.
+def euler_angular_velocity(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """Angular velocity (rad/s) after h s of torque t (N m), semi-implicit Euler; all in the world frame.
 
-    The gyroscopic torque is that at the end of the step, by one Newton step in the body frame: fast spin gains no
-    energy, it loses some (Catto 2015, Numerical Methods, GDC)."""
+    The gyroscopic torque is that at the end of the step, by one Newton step in the body frame: rotations of less than a
+    radian per step gain no energy, and fast ones lose some (Catto 2015, Numerical Methods, GDC). m: rotation matrix,
+    row by row; i: principal moments of inertia, kg m^2.
+    """
     wx, wy, wz = (m[0] * wx + m[3] * wy + m[6] * wz, m[1] * wx + m[4] * wy + m[7] * wz,
                   m[2] * wx + m[5] * wy + m[8] * wz)
     wx += h * (m[0] * tx + m[3] * ty + m[6] * tz) / ix
@@ -23,14 +44,14 @@ def spun_euler(m, ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
     wz += h * (m[2] * tx + m[5] * ty + m[8] * tz) / iz
     # f(w') = I (w' - w) + h w' x I w' = 0, one step from w' = w
     fx, fy, fz = h * wy * wz * (iz - iy), h * wz * wx * (ix - iz), h * wx * wy * (iy - ix)
-    dx, dy, dz = _newton(ix, iy, iz, h * wx, h * wy, h * wz, fx, fy, fz)
+    dx, dy, dz = _newton_step(ix, iy, iz, h * wx, h * wy, h * wz, fx, fy, fz)
     wx, wy, wz = wx - dx, wy - dy, wz - dz
     return (m[0] * wx + m[1] * wy + m[2] * wz, m[3] * wx + m[4] * wy + m[5] * wz, m[6] * wx + m[7] * wy + m[8] * wz)
 
 
 @inlined
-def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
-    """Solves (I + [s] I - [I s]) d = f, the Jacobian of I w + h w x I w with s = h w."""
+def _newton_step(ix, iy, iz, sx, sy, sz, fx, fy, fz):
+    """Solves (I + [s] I - [I s]) d = f for d, by Cramer's rule: the Jacobian of I w + h w x I w with s = h w."""
     j00, j01, j02 = ix, sz * (iz - iy), sy * (iz - iy)
     j10, j11, j12 = sz * (ix - iz), iy, sx * (ix - iz)
     j20, j21, j22 = sy * (iy - ix), sx * (iy - ix), iz
@@ -42,29 +63,31 @@ def _newton(ix, iy, iz, sx, sy, sz, fx, fy, fz):
 
 
 @kernel
-def spun_midpoint(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
-    """Angular velocity after h s of torque t, all in the body frame, by the implicit midpoint rule: energy and the
-    length of the angular momentum stay as they are without torque (Austin, Krishnaprasad and Wang 1993, Almost Poisson
-    Integration of Rigid Body Systems)."""
+def midpoint_angular_velocity(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """Angular velocity (rad/s) after h s of torque t (N m), implicit midpoint rule; all in the body frame.
+
+    Without torque, energy and the length of the angular momentum are conserved (Austin, Krishnaprasad and Wang 1993,
+    Almost Poisson Integration of Rigid Body Systems). i: principal moments of inertia, kg m^2.
+    """
     ax, ay, az = wx + h / ix * tx, wy + h / iy * ty, wz + h / iz * tz
-    if slow(wx, wy, wz, h):
-        return spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h)
-    for _ in range(NEWTON):
-        ax, ay, az, found = nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az)
+    if is_slow(wx, wy, wz, h):
+        return midpoint_fixed_point(ix, iy, iz, wx, wy, wz, tx, ty, tz, h)
+    for _ in range(NEWTON_ITERATIONS):
+        ax, ay, az, found = midpoint_newton_step(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az)
         if found:
             break
     return ax, ay, az
 
 
 @inlined
-def slow(wx, wy, wz, h):
-    """Whether fixed-point iterations, each of which gains a factor of h w, find the midpoint."""
+def is_slow(wx, wy, wz, h):
+    """Whether fixed-point iterations solve the midpoint rule: each reduces the error by a factor of h |w|."""
     return (wx * wx + wy * wy + wz * wz) * h * h < SLOW
 
 
 @inlined
-def spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
-    """spun_midpoint where that is slow."""
+def midpoint_fixed_point(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
+    """midpoint_angular_velocity where is_slow."""
     ux, uy, uz = h / ix, h / iy, h / iz
     gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
     cx, cy, cz = wx + ux * tx, wy + uy * ty, wz + uz * tz
@@ -76,141 +99,225 @@ def spun_slow(ix, iy, iz, wx, wy, wz, tx, ty, tz, h):
 
 
 @inlined
-def nearer(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az):
-    """A Newton step from a towards what spun_midpoint looks for; where a is that already, a and True."""
+def midpoint_newton_step(ix, iy, iz, wx, wy, wz, tx, ty, tz, h, ax, ay, az):
+    """One Newton step from the estimate a towards the solution of midpoint_angular_velocity. Returns the new estimate,
+    or a itself if it has converged, and whether it has."""
     ux, uy, uz = h / ix, h / iy, h / iz
     gx, gy, gz = 0.25 * ux * (iz - iy), 0.25 * uy * (ix - iz), 0.25 * uz * (iy - ix)
     mx, my, mz = ax + wx, ay + wy, az + wz
     fx, fy, fz = (ax - (wx + ux * tx) + gx * my * mz, ay - (wy + uy * ty) + gy * mz * mx,
                   az - (wz + uz * tz) + gz * mx * my)
-    dx, dy, dz = _newton(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
+    dx, dy, dz = _newton_step(ix, iy, iz, 0.25 * h * mx, 0.25 * h * my, 0.25 * h * mz, ix * fx, iy * fy, iz * fz)
     found = fx * fx + fy * fy + fz * fz < CONVERGED * (wx * wx + wy * wy + wz * wz)
     return ax if found else ax - dx, ay if found else ay - dy, az if found else az - dz, found
 
 
-@kernel
-def cayley(q, i, wx, wy, wz, h):
-    """Turns orientation i of q by h s at the angular velocity w of the body frame, as the midpoint rule does: the
-    angular momentum in the world then stays exactly as it is."""
-    q[i, 0], q[i, 1], q[i, 2], q[i, 3] = turned_midpoint(q[i, 0], q[i, 1], q[i, 2], q[i, 3], wx, wy, wz, h)
+@inlined
+def cayley(x, y, z, w, wx, wy, wz, h):
+    """Orientation (x, y, z, w) after h s at the angular velocity (wx, wy, wz), rad/s in the body frame, by the Cayley
+    map.
+
+    With the mean angular velocity of midpoint_angular_velocity, the angular momentum in the world is conserved exactly.
+    """
+    nx, ny, nz, nw = multiply(x, y, z, w, 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz, 1.0)
+    return normalized(nx, ny, nz, nw)
 
 
 @inlined
-def turned_midpoint(x, y, z, w, wx, wy, wz, h):
-    """The same for a quaternion."""
-    ax, ay, az = 0.5 * h * wx, 0.5 * h * wy, 0.5 * h * wz
-    nx, ny, nz = x + w * ax + y * az - z * ay, y + w * ay + z * ax - x * az, z + w * az + x * ay - y * ax
-    nw = w - x * ax - y * ay - z * az
-    norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    return nx * norm, ny * norm, nz * norm, nw * norm
-
-
-@kernel
 def to_body(orientation, i, x, y, z):
-    """A vector of the world in the frame of body i."""
+    """Rotates a vector from the world frame into the frame of body i."""
     return rotate(-orientation[i, 0], -orientation[i, 1], -orientation[i, 2], orientation[i, 3], x, y, z)
 
 
-@kernel
+@inlined
 def to_world(orientation, i, x, y, z):
-    """A vector of the frame of body i in the world."""
+    """Rotates a vector from the frame of body i into the world frame."""
     return rotate(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], x, y, z)
 
 
-@kernel
-def push_euler(i, orientation, velocity, angular, inverse_mass, inertia, force, torque, h):
-    """Velocities of body i after h s of force (N) and torque (N m) of the world frame: semi-implicit Euler."""
-    for c in range(3):
-        velocity[i, c] += h * inverse_mass[i] * force[i, c]
-    m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-    angular[i, 0], angular[i, 1], angular[i, 2] = spun_euler(
-        m, inertia[i, 0], inertia[i, 1], inertia[i, 2], angular[i, 0], angular[i, 1], angular[i, 2],
-        torque[i, 0], torque[i, 1], torque[i, 2], h)
+@inlined
+def integrate_velocities_euler(bodies, states, forces, h):
+    """Velocities after h s of force and torque: semi-implicit Euler."""
+    orientation, angular_velocity, inertia, torque = (states.orientation, states.angular_velocity, forces.inertia,
+                                                      forces.torque)
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        for c in range(3):
+            states.velocity[i, c] += h * forces.inverse_mass[i] * forces.force[i, c]
+        m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2] = euler_angular_velocity(
+            m, inertia[i, 0], inertia[i, 1], inertia[i, 2],
+            angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2],
+            torque[i, 0], torque[i, 1], torque[i, 2], h)
 
 
-@kernel
-def push_midpoint(i, orientation, velocity, angular, inverse_mass, inertia, force, torque, h):
-    """The same by the midpoint rule, without loss of energy; the orientation stays."""
+@inlined
+def integrate_velocities_midpoint(bodies, states, forces, h):
+    """Velocities after h s of force and torque: midpoint rule, at the orientation as it is."""
+    for k in range(1, 1 + bodies[0]):
+        integrate_velocity_midpoint(bodies[k], states, forces, h)
+
+
+@inlined
+def integrate_velocity_midpoint(i, states, forces, h):
+    """The same for body i."""
+    orientation, angular_velocity, inertia, torque = (states.orientation, states.angular_velocity, forces.inertia,
+                                                      forces.torque)
     for c in range(3):
-        velocity[i, c] += h * inverse_mass[i] * force[i, c]
+        states.velocity[i, c] += h * forces.inverse_mass[i] * forces.force[i, c]
     m = matrix(orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
-    x, y, z, u, v, w = angular[i, 0], angular[i, 1], angular[i, 2], torque[i, 0], torque[i, 1], torque[i, 2]
-    x, y, z = spun_midpoint(
+    x, y, z = angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2]
+    u, v, w = torque[i, 0], torque[i, 1], torque[i, 2]
+    x, y, z = midpoint_angular_velocity(
         inertia[i, 0], inertia[i, 1], inertia[i, 2],
         m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z, m[2] * x + m[5] * y + m[8] * z,
         m[0] * u + m[3] * v + m[6] * w, m[1] * u + m[4] * v + m[7] * w, m[2] * u + m[5] * v + m[8] * w, h)
-    angular[i, 0], angular[i, 1], angular[i, 2] = (
+    angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2] = (
         m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
 
 
-@kernel
-def move(i, position, orientation, velocity, angular, h):
-    """Position and orientation of body i after h s at these velocities."""
+@inlined
+def integrate_poses(bodies, states, h):
+    """Poses after h s at constant velocities, by the exponential map."""
+    orientation, angular_velocity = states.orientation, states.angular_velocity
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        for c in range(3):
+            states.position[i, c] += h * states.velocity[i, c]
+        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = integrate_rotation(
+            orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
+            angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2], h)
+
+
+@inlined
+def integrate_poses_midpoint(bodies, states, h):
+    """Poses after h s at constant velocities, by the Cayley map, which needs no sine."""
+    orientation, angular_velocity = states.orientation, states.angular_velocity
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        for c in range(3):
+            states.position[i, c] += h * states.velocity[i, c]
+        x, y, z, w = multiply(
+            0.5 * h * angular_velocity[i, 0], 0.5 * h * angular_velocity[i, 1], 0.5 * h * angular_velocity[i, 2], 1.0,
+            orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])
+        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = normalized(x, y, z, w)
+
+
+@inlined
+def save_states(bodies, states, trial):
+    """Copies the states of bodies to the first columns of trial (n, TRIAL_FIELDS)."""
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        for c in range(3):
+            trial[i, POSITION + c], trial[i, VELOCITY + c] = states.position[i, c], states.velocity[i, c]
+            trial[i, ANGULAR_VELOCITY + c] = states.angular_velocity[i, c]
+        for c in range(4):
+            trial[i, ORIENTATION + c] = states.orientation[i, c]
+
+
+@inlined
+def _restore_state(i, states, trial):
+    """Copies the saved state of body i back."""
     for c in range(3):
-        position[i, c] += h * velocity[i, c]
-    (orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]) = integrate_rotation(
-        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
-        angular[i, 0], angular[i, 1], angular[i, 2], h)
+        states.position[i, c], states.velocity[i, c] = trial[i, POSITION + c], trial[i, VELOCITY + c]
+        states.angular_velocity[i, c] = trial[i, ANGULAR_VELOCITY + c]
+    for c in range(4):
+        states.orientation[i, c] = trial[i, ORIENTATION + c]
 
 
-@kernel
-def move_midpoint(i, position, orientation, velocity, angular, h):
-    """The same by the midpoint rule, whose turn needs no sine."""
-    for c in range(3):
-        position[i, c] += h * velocity[i, c]
-    x, y, z, w = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
-    ax, ay, az = 0.5 * h * angular[i, 0], 0.5 * h * angular[i, 1], 0.5 * h * angular[i, 2]
-    nx, ny, nz = x + w * ax + z * ay - y * az, y + w * ay + x * az - z * ax, z + w * az + y * ax - x * ay
-    nw = w - x * ax - y * ay - z * az
-    norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    orientation[i, 0], orientation[i, 1] = nx * norm, ny * norm
-    orientation[i, 2], orientation[i, 3] = nz * norm, nw * norm
+@inlined
+def _rotate_cayley(i, orientation, wx, wy, wz, h):
+    """Changes the orientation of body i by the Cayley map."""
+    orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = cayley(
+        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3], wx, wy, wz, h)
 
 
-@kernel
-def moved(i, position, orientation, start, moving):
-    """Writes how far body i has moved and turned since start (n, 7) into its row of moving, as the solver has them."""
-    for c in range(3):
-        moving[i, 6 + c] = position[i, c] - start[i, c]
-    x, y, z, w = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
-    a, b, c, d = -start[i, 3], -start[i, 4], -start[i, 5], start[i, 6]
-    qx, qy, qz = w * a + x * d + y * c - z * b, w * b + y * d + z * a - x * c, w * c + z * d + x * b - y * a
-    qw = w * d - x * a - y * b - z * c
-    moving[i, 9], moving[i, 10], moving[i, 11] = 2.0 * qw * qx, 2.0 * qw * qy, 2.0 * qw * qz
-    moving[i, 12] = 0.5 / max(qw * qw, 1e-12)  # 1 + cos = 2 w^2
+@inlined
+def midpoint_predict(bodies, states, forces, trial, h):
+    """First half of the midpoint scheme: the states half a step ahead, from the forces at the start; the start is
+    saved."""
+    save_states(bodies, states, trial)
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        for c in range(3):
+            states.position[i, c] += 0.5 * h * states.velocity[i, c]
+        integrate_velocity_midpoint(i, states, forces, 0.5 * h)
+        wx, wy, wz = to_body(states.orientation, i, trial[i, ANGULAR_VELOCITY], trial[i, ANGULAR_VELOCITY + 1],
+                             trial[i, ANGULAR_VELOCITY + 2])
+        _rotate_cayley(i, states.orientation, wx, wy, wz, 0.5 * h)
 
 
-@kernel
-def runge_kutta(stage, i, position, orientation, velocity, angular, inverse_mass, inertia, force, torque, trial, h):
-    """Stage 0 to 3 of the classical scheme for body i, with the forces at its trial state: adds the slope to the sum in
-    the second half of trial (n, 26), whose first half is the start, and sets the next trial state, at last the end."""
-    q, w, t = orientation[i], angular[i], trial[i]
-    if stage == 0:  # spin is followed in the body's own frame
-        t[10], t[11], t[12] = to_body(orientation, i, w[0], w[1], w[2])
-    wx, wy, wz = to_body(orientation, i, w[0], w[1], w[2])
-    tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
-    ix, iy, iz = inertia[i, 0], inertia[i, 1], inertia[i, 2]
-    ax = (tx + wy * wz * (iy - iz)) / ix  # Euler's equations
-    ay = (ty + wz * wx * (iz - ix)) / iy
-    az = (tz + wx * wy * (ix - iy)) / iz
-    ux, uy, uz = 0.5 * wx, 0.5 * wy, 0.5 * wz
-    px, py, pz = q[3] * ux + q[1] * uz - q[2] * uy, q[3] * uy + q[2] * ux - q[0] * uz, q[3] * uz + q[0] * uy - q[1] * ux
-    pw = -ux * q[0] - uy * q[1] - uz * q[2]
+@inlined
+def midpoint_correct(bodies, states, forces, trial, h):
+    """Second half: the states after h s from the saved start, with the forces half a step ahead."""
+    position, orientation = states.position, states.orientation
+    velocity, angular_velocity = states.velocity, states.angular_velocity
+    torque, inertia = forces.torque, forces.inertia
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
+        _restore_state(i, states, trial)
+        for c in range(3):
+            start = velocity[i, c]
+            velocity[i, c] += h * forces.inverse_mass[i] * forces.force[i, c]
+            position[i, c] += 0.5 * h * (start + velocity[i, c])
+        ax, ay, az = to_body(orientation, i, angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2])
+        bx, by, bz = midpoint_angular_velocity(inertia[i, 0], inertia[i, 1], inertia[i, 2], ax, ay, az, tx, ty, tz, h)
+        _rotate_cayley(i, orientation, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz), h)
+        angular_velocity[i, 0], angular_velocity[i, 1], angular_velocity[i, 2] = to_world(orientation, i, bx, by, bz)
+
+
+@inlined
+def rk4_stage(stage, bodies, states, forces, trial, h):
+    """Stage 0 to 3 of the classical Runge-Kutta scheme, with the forces at the states of that stage.
+
+    Adds the slopes to their weighted sum in trial, and sets the states of the next stage; those of stage 3 are the
+    result. States are to be saved in trial before stage 0. The angular velocity is integrated in the body frame
+    (Euler's equations), and kept in that frame in trial.
+    """
     weight = h / 6.0 if stage == 0 or stage == 3 else h / 3.0
     ahead = 0.5 * h if stage < 2 else h
-    slope = (velocity[i, 0], velocity[i, 1], velocity[i, 2], px, py, pz, pw, inverse_mass[i] * force[i, 0],
-             inverse_mass[i] * force[i, 1], inverse_mass[i] * force[i, 2], ax, ay, az)
-    for c in range(13):
-        t[13 + c] = weight * slope[c] + (t[13 + c] if stage else 0.0)
-    for c in range(3):
-        position[i, c] = t[c] + (ahead * slope[c] if stage < 3 else t[13 + c])
-        velocity[i, c] = t[7 + c] + (ahead * slope[7 + c] if stage < 3 else t[20 + c])
-        angular[i, c] = t[10 + c] + (ahead * slope[10 + c] if stage < 3 else t[23 + c])
-    square = 0.0
-    for c in range(4):
-        orientation[i, c] = t[3 + c] + (ahead * slope[3 + c] if stage < 3 else t[16 + c])
-        square += orientation[i, c] * orientation[i, c]
-    norm = 1.0 / math.sqrt(square)
-    for c in range(4):
-        orientation[i, c] *= norm
-    angular[i, 0], angular[i, 1], angular[i, 2] = to_world(orientation, i, w[0], w[1], w[2])
+    position, orientation = states.position, states.orientation
+    velocity, angular_velocity = states.velocity, states.angular_velocity
+    torque, inertia = forces.torque, forces.inertia
+    for k in range(1, 1 + bodies[0]):
+        i = bodies[k]
+        q, w, t = orientation[i], angular_velocity[i], trial[i]
+        if stage == 0:
+            (t[ANGULAR_VELOCITY], t[ANGULAR_VELOCITY + 1], t[ANGULAR_VELOCITY + 2]) = to_body(
+                orientation, i, w[0], w[1], w[2])
+        wx, wy, wz = to_body(orientation, i, w[0], w[1], w[2])
+        tx, ty, tz = to_body(orientation, i, torque[i, 0], torque[i, 1], torque[i, 2])
+        ix, iy, iz = inertia[i, 0], inertia[i, 1], inertia[i, 2]
+        ax = (tx + wy * wz * (iy - iz)) / ix
+        ay = (ty + wz * wx * (iz - ix)) / iy
+        az = (tz + wx * wy * (ix - iy)) / iz
+        # q' = q (w / 2, 0). Not `multiply`, whose zero terms would change the sign of zeros.
+        ux, uy, uz = 0.5 * wx, 0.5 * wy, 0.5 * wz
+        px, py, pz = (q[3] * ux + q[1] * uz - q[2] * uy, q[3] * uy + q[2] * ux - q[0] * uz,
+                      q[3] * uz + q[0] * uy - q[1] * ux)
+        pw = -ux * q[0] - uy * q[1] - uz * q[2]
+        slope = (velocity[i, 0], velocity[i, 1], velocity[i, 2], px, py, pz, pw,
+                 forces.inverse_mass[i] * forces.force[i, 0], forces.inverse_mass[i] * forces.force[i, 1],
+                 forces.inverse_mass[i] * forces.force[i, 2], ax, ay, az)
+        for c in range(SLOPES):
+            t[SLOPES + c] = weight * slope[c] + (t[SLOPES + c] if stage else 0.0)
+        for c in range(3):
+            position[i, c] = _next(stage, ahead, slope, t, POSITION + c)
+            velocity[i, c] = _next(stage, ahead, slope, t, VELOCITY + c)
+            w[c] = _next(stage, ahead, slope, t, ANGULAR_VELOCITY + c)
+        square = 0.0
+        for c in range(4):
+            q[c] = _next(stage, ahead, slope, t, ORIENTATION + c)
+            square += q[c] * q[c]
+        scale = 1.0 / math.sqrt(square)
+        for c in range(4):
+            q[c] *= scale
+        w[0], w[1], w[2] = to_world(orientation, i, w[0], w[1], w[2])
+
+
+@inlined
+def _next(stage, ahead, slope, t, c):
+    """Column c of a body's next state: `ahead` s from the start along the slope, or by the sum of slopes after stage
+    3."""
+    return t[c] + (ahead * slope[c] if stage < 3 else t[SLOPES + c])

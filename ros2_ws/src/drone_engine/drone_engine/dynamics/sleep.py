@@ -1,129 +1,150 @@
-"""Sleep: bodies that have rested on each other for a while are left out until something touches one of them.
+"""Sleep: bodies that have rested on each other for a while are left out of a step until something comes near.
 
-Bodies that touch, one through the other, make an island; it falls asleep as a whole, and wakes as a whole. What its
-contacts were is kept, so that it wakes up as it fell asleep.
+Bodies in contact, directly or through others, make an island, which falls asleep and wakes as a whole. The manifolds of
+sleeping bodies are kept, so that an island continues with the impulses that it fell asleep with.
 """
 
 from typing import Any
 
 import numpy as np
 
-from drone_engine.arrays import Floats, Integers
+from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.events import ContactPoints, TouchingPairs, all_touches, contact_points, touching_pairs
 from drone_engine.collision.manifold import PARTS, SWEPT
 from drone_engine.collision.pipeline import Detection
 from drone_engine.context import Context
 from drone_engine.kernel import kernel
+from drone_engine.math.rigid_motion import max_point_speed
 from drone_engine.program.stage import Stage
 
-QUIET = 0.005  # m/s, the fastest point of a body that rests
-PATIENCE = 0.5  # s for which it has to
-KEPT = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction_impulse")  # of a manifold
-SHOWN = ("anchor_w", "separation")  # of a manifold: kept for those who look at what sleeps
+SLEEP_SPEED = 0.005  # m/s: a body rests while no point of it is faster
+TIME_TO_SLEEP = 0.5  # s for which all bodies of an island have to rest
+# Fields of Manifolds that are kept of sleeping bodies: for the warm start when they wake, and for the debug view.
+WARM_START = ("pair", "level", "points", "normal_w", "point_w", "feature", "impulse", "friction_impulse")
+DEBUG_VIEW = ("anchor_w", "separation")
 
 
 @kernel
 def disturbed(contacts, sleeping):
-    """Whether a body that is awake has come near one that sleeps."""
-    end, pair = contacts.end, contacts.pair
-    for i in range(end[PARTS - 1]):
-        if sleeping[pair[i, 0]] or sleeping[pair[i, 1]]:
+    """Whether something awake has come near a sleeping body: 1 if so, else 0. sleeping: (n,) bool."""
+    for i in range(contacts.end[-1]):
+        if sleeping[contacts.pair[i, 0]] or sleeping[contacts.pair[i, 1]]:
             return 1
     return 0
 
 
 @kernel
-def fall_asleep(awake, still, velocity, angular_velocity, radius, dt, drone_body, landed, contacts, movable, root,
-                patience, borne):
-    """Counts for how long bodies have been still; returns whether an island has been for long enough, and writes for
-    each body the first of its island, root (n,), and for that the time of its last to come to rest: 0 if no contact
-    bears it, borne (n,), as what merely stands still for a moment may be about to fall."""
-    end, pair, points, total = contacts.end, contacts.pair, contacts.points, contacts.total
-    drone, angular = drone_body, angular_velocity
-    tired = False
+def fall_asleep(awake, still, velocity, angular_velocity, radius, dt, drone_body, landed, contacts, movable, island,
+                rest_time, supported):
+    """Finds the islands that may fall asleep: all bodies have rested for TIME_TO_SLEEP, and a contact carries one of
+    them. What merely stands still for a moment may be about to fall. Returns the number of their bodies.
+
+    awake: list of bodies, their number first; still: (n,) s for which each has rested, in and out; velocity,
+    angular_velocity: (n, 3), world; radius: (n,) m, of the bounding spheres; dt: s, of the step; drone_body, landed:
+    (d,) drones, which rest only once they have landed; contacts: ContactArrays after the solver; movable: (n,). Out,
+    unless the return value is 0 at once: island, (n,) the first body of each body's island; rest_time, (n,) at that
+    first body, s for which the island has rested, 0 without support; supported: (n,) scratch.
+    """
+    _update_still(awake, still, velocity, angular_velocity, radius, dt, drone_body, landed)
+    candidates = False
     for k in range(1, 1 + awake[0]):
         i = awake[k]
-        square, turning = 0.0, 0.0
-        for c in range(3):
-            square += velocity[i, c] * velocity[i, c]
-            turning += angular[i, c] * angular[i, c]
-        speed = square**0.5 + turning**0.5 * radius[i]
-        still[i] = still[i] + dt if speed < QUIET else 0.0
-    for d in range(drone.shape[0]):
-        if not landed[d]:
-            still[drone[d]] = 0.0
-    for k in range(1, 1 + awake[0]):
-        tired = tired or still[awake[k]] >= PATIENCE
-        root[awake[k]] = awake[k]
-        patience[awake[k]] = still[awake[k]]
-    if not tired:
+        candidates = candidates or still[i] >= TIME_TO_SLEEP
+        island[i], rest_time[i] = i, still[i]
+    if not candidates:
         return 0
-    for i in range(end[PARTS - 1]):
-        a, b = pair[i, 0], pair[i, 1]
-        if movable[a] and movable[b]:
-            while root[a] != a:
-                root[a] = root[root[a]]
-                a = root[a]
-            while root[b] != b:
-                root[b] = root[root[b]]
-                b = root[b]
-            root[max(a, b)] = min(a, b)
+    _join_islands(contacts, movable, island)
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        first = _first(island, i)
+        island[i] = first
+        rest_time[first] = min(rest_time[first], still[i])
+        supported[i] = False
+    for i in range(contacts.end[-1]):
+        for p in range(contacts.points[i]):
+            if contacts.total[i, p] > 0.0:
+                for body in contacts.pair[i]:
+                    supported[island[body]] = supported[island[body]] or movable[body]
     sleepers = 0
     for k in range(1, 1 + awake[0]):
-        i = awake[k]
-        a = i
-        while root[a] != a:
-            a = root[a]
-        root[i] = a
-        patience[a] = min(patience[a], still[i])
-        borne[i] = False
-    for i in range(end[PARTS - 1]):
-        for k in range(points[i]):
-            if total[i, k] > 0.0:
-                for body in pair[i]:
-                    borne[root[body]] = borne[root[body]] or movable[body]
-    for k in range(1, 1 + awake[0]):
-        if not borne[root[awake[k]]]:
-            patience[root[awake[k]]] = 0.0
-    for k in range(1, 1 + awake[0]):
-        sleepers += patience[root[awake[k]]] >= PATIENCE
+        first = island[awake[k]]
+        if not supported[first]:
+            rest_time[first] = 0.0
+        sleepers += rest_time[first] >= TIME_TO_SLEEP
     return sleepers
 
 
+@kernel
+def _update_still(awake, still, velocity, angular_velocity, radius, dt, drone_body, landed):
+    """Adds dt to the rest times of bodies below SLEEP_SPEED, and resets the others; parameters as of fall_asleep."""
+    for k in range(1, 1 + awake[0]):
+        i = awake[k]
+        rests = max_point_speed(i, velocity, angular_velocity, radius[i]) < SLEEP_SPEED
+        still[i] = still[i] + dt if rests else 0.0
+    for d in range(drone_body.shape[0]):
+        if not landed[d]:
+            still[drone_body[d]] = 0.0
+
+
+@kernel
+def _join_islands(contacts, movable, island):
+    """Union-find over the manifolds of two movable bodies, with path halving. island: (n,) parent of each body, in and
+    out; roots are the lowest bodies."""
+    for i in range(contacts.end[-1]):
+        a, b = contacts.pair[i, 0], contacts.pair[i, 1]
+        if movable[a] and movable[b]:
+            while island[a] != a:
+                island[a] = island[island[a]]
+                a = island[a]
+            while island[b] != b:
+                island[b] = island[island[b]]
+                b = island[b]
+            island[max(a, b)] = min(a, b)
+
+
+@kernel
+def _first(island, i):
+    """The first body of the island of body i: the root of union-find."""
+    while island[i] != i:
+        i = island[i]
+    return i
+
+
 class Sleep:
-    """The stages that wake and send to sleep, and the contacts of those who sleep."""
+    """The stages that wake bodies and let them fall asleep, and the manifolds of sleeping bodies."""
 
     def __init__(self, context: Context, detection: Detection) -> None:
         n = context.model.bodies.count
         self._context, self._detection = context, detection
-        self._radius: Floats = np.linalg.norm(context.model.bodies.half, axis=1)
-        self._root, self._patience, self._borne = np.zeros(n, np.int64), np.zeros(n), np.zeros(n, np.bool_)
+        self._island: Integers = np.zeros(n, np.int64)
+        self._rest_time: Floats = np.zeros(n)
         self.forget()
-        detection.on_waking = self._hand_over
+        detection.on_waking = self._restore_manifolds
         self.waking = Stage("waking", disturbed, context.scope, handle=self._wake_disturbed,
                             writes=("awake", "still"))
         self.falling_asleep = Stage("sleep", fall_asleep, context.scope, {
-            "radius": self._radius, "root": self._root, "patience": self._patience, "borne": self._borne},
-            self._send_to_sleep, writes=("awake", "velocity", "angular_velocity"))
+            "radius": np.linalg.norm(context.model.bodies.half, axis=1), "island": self._island,
+            "rest_time": self._rest_time, "supported": np.zeros(n, np.bool_)}, self._fall_asleep,
+            writes=("awake", "velocity", "angular_velocity"))
 
     def forget(self) -> None:
-        """Nobody sleeps."""
-        self._part: Integers = np.empty(0, np.int64)
-        self._kept: dict[str, Any] = {}
+        """Removes the manifolds of sleeping bodies."""
+        self._part: Integers = np.empty(0, np.int64)  # of Manifolds, that each is stored in
+        self._kept: dict[str, Any] = {}  # fields of Manifolds, and `touch` of PreviousArrays
 
     @property
     def touching(self) -> TouchingPairs:
-        """Pairs that touch in their sleep."""
+        """Pairs of which both are asleep or do not move, and that touch."""
         if not len(self._part):
             return touching_pairs(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
         return touching_pairs(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
 
     @property
     def contacts(self) -> ContactPoints | None:
-        """Where they touch; None if nobody sleeps."""
+        """The points where those pairs touch; None if nothing sleeps."""
         if not len(self._part):
             return None
-        return contact_points(*(self._kept[name] for name in ("pair", "points", "normal_w", *SHOWN, "touch")))
+        return contact_points(*(self._kept[name] for name in ("pair", "points", "normal_w", *DEBUG_VIEW, "touch")))
 
     def wake(self, bodies: Integers) -> None:
         """Wakes these bodies and their islands."""
@@ -138,54 +159,56 @@ class Sleep:
                 if woken[pair[touched]].all():
                     break
                 woken[pair[touched]] = True
-        s = self._context.state
-        s.still[woken & movable] = 0.0
-        self._set_awake(s.is_awake | (woken & movable))
+        state = self._context.state
+        state.still[woken & movable] = 0.0
+        self._set_awake(state.is_awake | (woken & movable))
 
-    def _set_awake(self, awake: np.ndarray) -> None:
-        which = np.flatnonzero(awake)
-        s = self._context.state
-        s.awake[:] = 0
-        s.awake[0], s.awake[1 : 1 + len(which)] = len(which), which
+    def _set_awake(self, awake: Booleans) -> None:
+        """Sets which bodies are awake, (n,)."""
+        which, state = np.flatnonzero(awake), self._context.state
+        state.awake[:] = 0
+        state.awake[0], state.awake[1 : 1 + len(which)] = len(which), which
 
     def _wake_disturbed(self, code: int) -> Stage:
-        m = self._detection.manifolds
-        pair = m.pair[: m.count]
+        """Wakes the bodies that something awake has come near. Their contacts have to be found, so detection is
+        repeated."""
+        manifolds = self._detection.manifolds
+        pair = manifolds.pair[: manifolds.count]
         self.wake(np.unique(pair[self._detection.sleeping[pair]]))
         return self._detection.broad_phase
 
-    def _hand_over(self) -> None:
-        """Gives the contacts of those who have woken to the last step's, from which this step's start."""
+    def _restore_manifolds(self) -> None:
+        """Moves the manifolds of bodies that have woken to those of the step before, for the warm start."""
         if not len(self._part):
             return
-        m, movable = self._detection.manifolds, self._context.model.bodies.movable
-        back = (self._context.state.is_awake | ~movable)[self._kept["pair"]].all(axis=1)
-        if not back.any():
+        previous, movable = self._detection.manifolds.last, self._context.model.bodies.movable
+        woken = (self._context.state.is_awake | ~movable)[self._kept["pair"]].all(axis=1)
+        if not woken.any():
             return
-        count = int(m.last.end[-1])
-        part = np.repeat(np.arange(PARTS), np.diff(m.last.end, prepend=0))
-        part = np.concatenate([part, self._part[back]])
-        joined = {name: np.concatenate([getattr(m.last, name)[:count], self._kept[name][back]])
-                  for name in (*KEPT, "touch")}
+        part = np.repeat(np.arange(PARTS), np.diff(previous.end, prepend=0))
+        part = np.concatenate([part, self._part[woken]])
+        joined = {name: np.concatenate([getattr(previous, name)[: previous.count], self._kept[name][woken]])
+                  for name in (*WARM_START, "touch")}
         order = np.lexsort((joined["pair"][:, 1], joined["pair"][:, 0], part))
-        m.last.reserve(2 * len(order))
+        previous.reserve(2 * len(order))
         for name, array in joined.items():
-            getattr(m.last, name)[: len(order)] = array[order]
-        m.last.end[:] = np.searchsorted(part[order], np.arange(PARTS), side="right")
-        self._part = self._part[~back]
-        self._kept = {name: array[~back] for name, array in self._kept.items()}
+            getattr(previous, name)[: len(order)] = array[order]
+        previous.end[:] = np.searchsorted(part[order], np.arange(PARTS), side="right")
+        self._part = self._part[~woken]
+        self._kept = {name: array[~woken] for name, array in self._kept.items()}
 
-    def _send_to_sleep(self, code: int) -> None:
-        s, m = self._context.state, self._detection.manifolds
-        awake = s.is_awake
-        asleep = awake & (self._patience[self._root] >= PATIENCE)
-        s.velocity_w[asleep] = s.angular_velocity_w[asleep] = 0.0
+    def _fall_asleep(self, code: int) -> None:
+        """Lets the islands that fall_asleep has found fall asleep, and keeps their manifolds."""
+        state, manifolds = self._context.state, self._detection.manifolds
+        awake = state.is_awake
+        asleep = awake & (self._rest_time[self._island] >= TIME_TO_SLEEP)
+        state.velocity_w[asleep] = state.angular_velocity_w[asleep] = 0.0
         self._set_awake(awake & ~asleep)
-        rows = np.flatnonzero(asleep[m.pair[: m.end[SWEPT - 1]]].any(axis=1))
-        part = np.searchsorted(m.end, rows, side="right")
-        touch = np.empty((m.count, 5))
-        all_touches(m.count, m.points, m.point_w, m.separation, m.total, touch)
-        kept = {name: getattr(m, name)[rows] for name in (*KEPT, *SHOWN)} | {"touch": touch[rows]}
+        rows = np.flatnonzero(asleep[manifolds.pair[: manifolds.end[SWEPT - 1]]].any(axis=1))
+        part = np.searchsorted(manifolds.end, rows, side="right")
+        touch = np.empty((manifolds.count, 5))
+        all_touches(manifolds.count, manifolds.points, manifolds.point_w, manifolds.separation, manifolds.total, touch)
+        kept = {name: getattr(manifolds, name)[rows] for name in (*WARM_START, *DEBUG_VIEW)} | {"touch": touch[rows]}
         self._part = np.concatenate([self._part, part])
         self._kept = {name: np.concatenate([self._kept[name], array]) if self._kept else array
                       for name, array in kept.items()}

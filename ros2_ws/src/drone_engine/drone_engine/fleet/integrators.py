@@ -1,6 +1,13 @@
 """The integrators of the dynamics, for blocks of drones that touch nothing; one call is one sub-step."""
 
-from drone_engine.dynamics.integrators import NEWTON, nearer, slow, spun_euler, spun_slow, turned_midpoint
+from drone_engine.dynamics.integrators import (
+    NEWTON_ITERATIONS,
+    cayley,
+    euler_angular_velocity,
+    is_slow,
+    midpoint_fixed_point,
+    midpoint_newton_step,
+)
 from drone_engine.effects.motor_lag import followed, stopped
 from drone_engine.fleet.layout import (
     ANGULAR_VELOCITY,
@@ -81,7 +88,7 @@ def euler(block, n, constants, lag, drag, rotors):
                                                   n0, n1, n2, n3)
         vx, vy, vz = vx + h * inverse_mass * fx, vy + h * inverse_mass * fy, vz + h * inverse_mass * fz
         ax, ay, az = load3(block, ANGULAR_VELOCITY, k)
-        ax, ay, az = spun_euler(matrix(qx, qy, qz, qw), c.ix, c.iy, c.iz, ax, ay, az, tx, ty, tz, h)
+        ax, ay, az = euler_angular_velocity(matrix(qx, qy, qz, qw), c.ix, c.iy, c.iz, ax, ay, az, tx, ty, tz, h)
         store3(block, VELOCITY, k, vx, vy, vz)
         store3(block, ANGULAR_VELOCITY, k, ax, ay, az)
         block[FLAG * LANES + k] = ax * ax + ay * ay + az * az
@@ -121,7 +128,7 @@ def midpoint(block, n, constants, lag, drag, rotors, sub):
         ax, ay, az = load3(block, ANGULAR_VELOCITY, k)
         wx, wy, wz = rotate(-qx, -qy, -qz, qw, ax, ay, az)
         store3(block, BODY_RATE, k, wx, wy, wz)
-        hx, hy, hz, hw = turned_midpoint(qx, qy, qz, qw, wx, wy, wz, half)
+        hx, hy, hz, hw = cayley(qx, qy, qz, qw, wx, wy, wz, half)
         store4(block, HALF_ORIENTATION, k, hx, hy, hz, hw)
     for k in range(n):
         n0, n1, n2, n3 = load4(block, ROTOR_SPEED, k)
@@ -138,8 +145,8 @@ def midpoint(block, n, constants, lag, drag, rotors, sub):
         tx, ty, tz = rotate(-qx, -qy, -qz, qw, tx, ty, tz)
         store3(block, TORQUE, k, tx, ty, tz)
         wx, wy, wz = load3(block, BODY_RATE, k)
-        bx, by, bz = spun_slow(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h)
-        found = slow(wx, wy, wz, h)
+        bx, by, bz = midpoint_fixed_point(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h)
+        found = is_slow(wx, wy, wz, h)
         store3(block, NEXT_BODY_RATE, k, bx if found else wx + h / c.ix * tx, by if found else wy + h / c.iy * ty,
                bz if found else wz + h / c.iz * tz)
         block[FLAG * LANES + k] = 0.0 if found else 1.0
@@ -148,7 +155,7 @@ def midpoint(block, n, constants, lag, drag, rotors, sub):
         store3(block, VELOCITY, k, vx, vy, vz)
         px, py, pz = load3(block, POSITION, k)
         store3(block, POSITION, k, px + half * (ox + vx), py + half * (oy + vy), pz + half * (oz + vz))
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_ITERATIONS):
         missing = 0.0
         for k in range(n):
             missing += block[FLAG * LANES + k]
@@ -158,7 +165,7 @@ def midpoint(block, n, constants, lag, drag, rotors, sub):
             wx, wy, wz = load3(block, BODY_RATE, k)
             bx, by, bz = load3(block, NEXT_BODY_RATE, k)
             tx, ty, tz = load3(block, TORQUE, k)
-            x, y, z, found = nearer(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h, bx, by, bz)
+            x, y, z, found = midpoint_newton_step(c.ix, c.iy, c.iz, wx, wy, wz, tx, ty, tz, h, bx, by, bz)
             found |= block[FLAG * LANES + k] == 0.0
             store3(block, NEXT_BODY_RATE, k, bx if found else x, by if found else y, bz if found else z)
             block[FLAG * LANES + k] = 0.0 if found else 1.0
@@ -166,7 +173,7 @@ def midpoint(block, n, constants, lag, drag, rotors, sub):
         qx, qy, qz, qw = load4(block, ORIENTATION, k)
         wx, wy, wz = load3(block, BODY_RATE, k)
         bx, by, bz = load3(block, NEXT_BODY_RATE, k)
-        qx, qy, qz, qw = turned_midpoint(qx, qy, qz, qw, 0.5 * (wx + bx), 0.5 * (wy + by), 0.5 * (wz + bz), h)
+        qx, qy, qz, qw = cayley(qx, qy, qz, qw, 0.5 * (wx + bx), 0.5 * (wy + by), 0.5 * (wz + bz), h)
         store4(block, ORIENTATION, k, qx, qy, qz, qw)
         ax, ay, az = rotate(qx, qy, qz, qw, bx, by, bz)
         store3(block, ANGULAR_VELOCITY, k, ax, ay, az)

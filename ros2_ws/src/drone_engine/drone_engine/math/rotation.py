@@ -17,6 +17,20 @@ def rotate(x, y, z, w, vx, vy, vz):
     return (vx + w * tx + y * tz - z * ty, vy + w * ty + z * tx - x * tz, vz + w * tz + x * ty - y * tx)
 
 
+@inlined
+def multiply(ax, ay, az, aw, bx, by, bz, bw):
+    """Hamilton product of the quaternions a and b: the rotation b, then a, both about axes of the world."""
+    return (aw * bx + ax * bw + ay * bz - az * by, aw * by + ay * bw + az * bx - ax * bz,
+            aw * bz + az * bw + ax * by - ay * bx, aw * bw - ax * bx - ay * by - az * bz)
+
+
+@inlined
+def normalized(x, y, z, w):
+    """The quaternion scaled to length 1."""
+    scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    return x * scale, y * scale, z * scale, w * scale
+
+
 @kernel
 def integrate_rotation(x, y, z, w, wx, wy, wz, h):
     """Orientation after h s at the angular velocity (wx, wy, wz), rad/s in the world; exact if that is constant.
@@ -42,10 +56,5 @@ def integrate_small_rotation(x, y, z, w, wx, wy, wz, h):
 @inlined
 def _multiplied(x, y, z, w, wx, wy, wz, s, c):
     """Product of the quaternion with vector part s (wx, wy, wz) and scalar part c, and (x, y, z, w), normalized."""
-    ax, ay, az = s * wx, s * wy, s * wz
-    nx = c * x + ax * w + ay * z - az * y
-    ny = c * y + ay * w + az * x - ax * z
-    nz = c * z + az * w + ax * y - ay * x
-    nw = c * w - ax * x - ay * y - az * z
-    norm = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + nw * nw)
-    return (nx * norm, ny * norm, nz * norm, nw * norm)
+    nx, ny, nz, nw = multiply(s * wx, s * wy, s * wz, c, x, y, z, w)
+    return normalized(nx, ny, nz, nw)
