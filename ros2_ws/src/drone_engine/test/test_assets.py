@@ -12,7 +12,7 @@ from PIL import Image
 
 from drone_engine import Scene, load, model
 from drone_engine.assets import ASSETS
-from drone_engine.collision.terrain import height_field as terrain
+from drone_engine.collision.terrain.height_field import face_below, of_model
 from drone_engine.geometry import mesh
 from drone_engine.model import GROUND_LEVELS
 
@@ -86,21 +86,21 @@ def test_nothing_overlaps_at_the_start(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_sinks_into_the_floor(name: str) -> None:
     scene = load(ASSETS / "scenes" / f"{name}.yaml")
-    land = terrain.of(model.build(scene))
+    land = of_model(model.build(scene))
     floor = max((thing.pose[2] for name, thing in scene.objects.items() if scene.level(name) == "floor"), default=None)
     for key, (centre, axes, half) in solid(scene).items():
-        under = floor if land is None else terrain.below(land.frame, land.start, land.entry, land.face, *centre[:2])[1]
+        under = floor if land is None else face_below(land, *centre[:2])[1]
         if not scene.objects[key].static:
             assert centre[2] - np.abs(axes[2]) @ half > under - 1e-3, key
 
 
 def test_what_grows_on_the_island_stands_on_it() -> None:
     scene = load("island")
-    land = terrain.of(model.build(scene))
+    land = of_model(model.build(scene))
     assert land is not None
     for name, thing in scene.objects.items():
         if thing.static and thing.model in ("palm", "pine", "bush", "rock_round", "rock_flat"):
-            _, height = terrain.below(land.frame, land.start, land.entry, land.face, *thing.pose[:2])
+            _, height = face_below(land, *thing.pose[:2])
             assert -0.12 < thing.pose[2] - height < 0.005, name
 
 

@@ -1,7 +1,7 @@
 """The collision pipeline of a step, as stages: broad phase, then the contacts of each pair at its collision level."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from drone_engine.collision.box.obb import Boxes, scratch
 from drone_engine.collision.broad_phase import grid
 from drone_engine.collision.broad_phase.grid import find_pairs, retune_threshold, set_all_bounds, set_bounds
 from drone_engine.collision.continuous.impacts import Impacts
-from drone_engine.collision.continuous.sweep import fast
+from drone_engine.collision.continuous.sweep import needs_ccd
 from drone_engine.collision.manifold import (
     BOXES,
     GROUND,
@@ -29,7 +29,7 @@ from drone_engine.collision.mesh.octree import Octree
 from drone_engine.collision.placement import PlacedBodies, set_all_axes, set_axes
 from drone_engine.collision.policy import CollisionPolicy, PolicyTables, look_up
 from drone_engine.collision.terrain import height_field
-from drone_engine.collision.terrain.stage import MORE_CONTACTS, MOST, Footing, stand
+from drone_engine.collision.terrain.stage import MAX_MANIFOLDS, MORE_CONTACTS, Terrain, TerrainArrays, terrain_contacts
 from drone_engine.collision_level import OCTREE, SPHERE
 from drone_engine.context import Context
 from drone_engine.kernel import kernel
@@ -96,7 +96,7 @@ def broad_phase(awake, binned, solid, position, orientation, velocity, angular_v
         i = awake[k]
         set_axes(i, orientation, axes)
         if solid[i]:
-            ccd[i] = fast(i, velocity, angular_velocity, half, dt)
+            ccd[i] = needs_ccd(i, velocity, angular_velocity, half, dt)
             any_ccd += ccd[i]
             set_bounds(i, position, axes, half, radius if ccd[i] else body_bounds.reach, velocity, dt, MARGIN, low,
                        high)
@@ -173,11 +173,11 @@ class Detection:
         half = bodies.half.copy()
         half[self._planes] = np.inf
         self._plane_height[self._planes] = [plane.height for plane in model.planes]
-        land = height_field.of(model)
-        self._footing = None if land is None or model.terrain is None else Footing(land, model.terrain)
+        field = height_field.of_model(model)
+        self._terrain = None if field is None or model.terrain is None else Terrain(field, model.terrain)
         self._top: Floats = self._plane_height.copy()  # of planes and terrain, m
-        if self._footing:
-            self._top[self._footing.body] = self._footing.terrain.frame[6]
+        if self._terrain:
+            self._top[self._terrain.body] = self._terrain.field.grid[height_field.HIGHEST]
         self._now = PlacedBodies(np.arange(n), context.state.position_w, context.state.orientation_w, self.axes, half)
         self._impacts = Impacts(bodies.half, context.dt)
         self.ccd: Booleans = np.zeros(n, np.bool_)
@@ -204,7 +204,8 @@ class Detection:
         self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase,
                                  writes=("binned", "sleeping", *STATIC_GRID))
         self.primitives = Stage("contacts", primitive_contacts, own, handle=self._more_manifolds)
-        self._ground_contacts = Stage("ground contacts", stand, own.child(self, "ground"), handle=self._more_room)
+        self._terrain_contacts = Stage("ground contacts", terrain_contacts, own.child(self, "terrain"),
+                                       handle=self._more_room)
         self._mesh_contacts = Stage("mesh contacts", any_fine, scope, handle=self._find_fine, writes=CONTACTS)
         self._impact_contacts = Stage("impacts", any_swept, scope, handle=self._find_swept, writes=CONTACTS)
         self.warm_start = Stage("warm start", warm_start, scope)
@@ -217,9 +218,9 @@ class Detection:
     @property
     def stages(self) -> tuple[Stage, ...]:
         """The stages before the motion, in order; a scene without meshes or terrain has none for them."""
-        ground = (self._ground_contacts,) if self._footing else ()
+        terrain = (self._terrain_contacts,) if self._terrain else ()
         meshes = (self._mesh_contacts,) if self.levels.uses_meshes else ()
-        return (self.keep, self.broad_phase, self.primitives, *ground, *meshes, self._impact_contacts, self.warm_start)
+        return (self.keep, self.broad_phase, self.primitives, *terrain, *meshes, self._impact_contacts, self.warm_start)
 
     @property
     def body_bounds(self) -> BodyBounds:
@@ -238,9 +239,11 @@ class Detection:
         return self._grid.tables()
 
     @property
-    def ground(self) -> Any:
+    def terrain(self) -> TerrainArrays | None:
         """The terrain and the buffers of its contacts, as kernels take them; None without terrain."""
-        return self._footing and self._footing.arrays(self._meshes.corners if self._meshes else narrow.NO_CORNERS)
+        if self._terrain is None:
+            return None
+        return self._terrain.arrays(self._meshes.corners if self._meshes else narrow.NO_CORNERS)
 
     def belong_to(self, program: Program) -> None:
         """Sets the program to bind again when arrays are replaced."""
@@ -285,7 +288,7 @@ class Detection:
         """Prepares for the collision levels as they are now. Raises mesh.MeshError for models that cannot be read."""
         bodies = self.levels.mesh_bodies()
         if not np.array_equal(self._with_meshes, bodies):
-            self._meshes = narrow.read(self._model, bodies) if len(bodies) else None
+            self._meshes = narrow.load_meshes(self._model, bodies) if len(bodies) else None
             self._with_meshes = bodies
         self._reach = self._bounding_radius if self.levels.uses(SPHERE) else np.zeros_like(self._bounding_radius)
         self.binned[:] = -1
@@ -314,13 +317,13 @@ class Detection:
         return self.primitives
 
     def _more_room(self, code: int) -> Stage:
-        assert self._footing
+        assert self._terrain
         if code == MORE_CONTACTS:
-            self._footing.grow()
+            self._terrain.grow()
         else:
-            self.manifolds.reserve(MOST * int(self.counts.pairs[0]))
+            self.manifolds.reserve(MAX_MANIFOLDS * int(self.counts.pairs[0]))
         self.bind()
-        return self._ground_contacts
+        return self._terrain_contacts
 
     def _pairs(self) -> Pairs:
         """The pairs of the step."""
@@ -340,7 +343,7 @@ class Detection:
     def _find_swept(self, code: int) -> None:
         """Appends the contacts that bodies with continuous collision detection will have within the step."""
         capacity, pairs = self.manifolds.capacity, self._pairs()
-        self._impacts.keep(self._state)
+        self._impacts.save_poses(self._state)
         self._find_ahead(_only(self.pairs.swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
         if self.manifolds.capacity != capacity:
             self.bind()
@@ -350,11 +353,11 @@ class Detection:
         pairs = self._pairs()
         chosen = self.pairs.swept[: len(pairs[0])] & (pairs[3] >= SPHERE)
         a, b, _, level, *_ = _only(chosen, pairs)
-        self._impacts.catch(self._state, a, b, level, self.ccd, self._meshes)
+        self._impacts.stop_at_impacts(self._state, a, b, level, self.ccd, self._meshes)
 
     def _find_ahead(self, pairs: Pairs) -> None:
         """Appends the contacts of pairs at the poses in which they will first touch within the step."""
-        placed, meeting = self._impacts.place(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
+        placed, meeting = self._impacts.bodies_at_impact(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
         a, b, height, level, everything, margin = _only(meeting, pairs)
         # Anything within a bounding sphere may swing round.
         margin = margin + 2.0 * np.minimum(self._bounding_radius[a], self._bounding_radius[b])
@@ -363,7 +366,7 @@ class Detection:
         first = self.manifolds.count
         self._append_primitives(placed, there)
         self._append_meshes(placed, there)
-        self._impacts.bring_back(self.manifolds, first, placed, self._state)
+        self._impacts.move_to_step_start(self.manifolds, first, placed, self._state)
 
     def _append_primitives(self, placed: PlacedBodies, pairs: Pairs) -> None:
         """Appends the contacts of placed spheres, boxes and floors."""

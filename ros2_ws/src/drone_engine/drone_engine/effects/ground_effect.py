@@ -12,8 +12,7 @@ import math
 import numpy as np
 from pydantic import Field
 
-from drone_engine.collision.terrain import height_field as terrain
-from drone_engine.collision.terrain.height_field import below
+from drone_engine.collision.terrain.height_field import NO_GROUND, face_below, of_model
 from drone_engine.context import Context, Stages
 from drone_engine.effects.disks import disks
 from drone_engine.kernel import kernel
@@ -41,12 +40,11 @@ def gain(radius, height, speed, induced):
 
 
 @kernel
-def lift(floors, frame, start, entry, face, disks, thrust, position, orientation, velocity, air_velocity, density,
-         force, torque):
+def lift(floors, height_field, disks, thrust, position, orientation, velocity, air_velocity, density, force, torque):
     """Adds the additional thrust of r rotors near the ground to force (N) and torque (N m), (n, 3) in the world.
 
-    floors: (f,) heights in m; frame, start, entry, face: those of the height field, or empty; disks: the rotors;
-    thrust: (r,) N; air_velocity: (n, 3) m/s, or (0, 3) where the air is at rest; density: kg/m^3.
+    floors: (f,) heights in m; height_field: HeightField of the terrain, or NO_GROUND; disks: the rotors; thrust: (r,)
+    N; air_velocity: (n, 3) m/s, or (0, 3) where the air is at rest; density: kg/m^3.
     """
     body, place, axis, radius = disks.body, disks.place_b, disks.axis_b, disks.radius
     for r in range(body.shape[0]):
@@ -67,8 +65,8 @@ def lift(floors, frame, start, entry, face, disks, thrust, position, orientation
             above = position[i, 2] + pz - floors[f]
             if 0.0 <= above < height:
                 height = above
-        if frame.shape[0]:
-            _, ground = below(frame, start, entry, face, position[i, 0] + px, position[i, 1] + py)
+        if height_field.grid.shape[0]:
+            _, ground = face_below(height_field, position[i, 0] + px, position[i, 1] + py)
             above = position[i, 2] + pz - ground
             if 0.0 <= above < height:
                 height = above
@@ -96,9 +94,7 @@ def build(parameters: Parameters, context: Context) -> Stages:
     if not model.planes:
         return Stages(idle="no floor or ground in the scene")
     floors = np.array([floor.height for floor in model.planes if math.isfinite(floor.height)], np.float64)
-    land = terrain.of(model)
-    frame, start, entry, face = terrain.NOTHING if land is None else (land.frame, land.start, land.entry, land.face)
     rotors = disks(model, parameters.radius)
     return Stages(force=(context.stage(
-        "ground_effect", lift, floors=floors, frame=frame, start=start, entry=entry, face=face, disks=rotors,
+        "ground_effect", lift, floors=floors, height_field=of_model(model) or NO_GROUND, disks=rotors,
         density=parameters.density),))

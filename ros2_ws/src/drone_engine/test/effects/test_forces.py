@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drone_engine import parse
-from drone_engine.collision.terrain.height_field import NOTHING
+from drone_engine.collision.terrain.height_field import NO_GROUND
 from drone_engine.effects import ground_effect, water
 from drone_engine.effects.disks import Disks, disks
 from drone_engine.effects.submerged import ROWS, submerged
@@ -78,7 +78,7 @@ def test_each_rotor_gains_over_the_floor_below_it() -> None:
         place, axis = np.array([[0.2, 0.1, 0.05]]), np.array([[0.0, 0.0, 1.0]])
         force, torque = np.zeros((1, 3)), np.zeros((1, 3))
         rotor = Disks(np.zeros(1, np.int64), place, axis, np.array([0.1]))
-        ground_effect.lift(np.array(floors), *NOTHING, rotor, np.array([3.0]), np.array([[0.0, 0.0, height]]),
+        ground_effect.lift(np.array(floors), NO_GROUND, rotor, np.array([3.0]), np.array([[0.0, 0.0, height]]),
                            np.array([[math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)]]),
                            np.zeros((1, 3)), np.empty((0, 3)), 1.225, force, torque)
         return force[0], torque[0]

@@ -87,16 +87,16 @@ class Impacts:
         self._half, self._dt = half, dt
         self._scratch = sweep.scratch()
 
-    def compile(self, state: State, quick: Booleans, meshes: Meshes | None) -> None:
+    def compile(self, state: State, ccd: Booleans, meshes: Meshes | None) -> None:
         """Compiles the kernels that only a step with fast bodies calls."""
         nothing = np.empty(0, np.int64)
-        self.keep(state)
-        self.catch(state, nothing, nothing, nothing, quick, meshes)
+        self.save_poses(state)
+        self.stop_at_impacts(state, nothing, nothing, nothing, ccd, meshes)
         for orientation in state.orientation_w[:1]:
             rotation_vector(orientation, orientation)
 
-    def place(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
-              meshes: Meshes | None) -> tuple[PlacedBodies, Integers]:
+    def bodies_at_impact(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
+                         meshes: Meshes | None) -> tuple[PlacedBodies, Integers]:
         """The bodies of pairs that will touch within the step, at the poses at which they will, and these pairs.
 
         pair_a, pair_b, level: (k,). Returns the bodies (rows 0 and 1 are the first pair, 2 and 3 the second, and so on)
@@ -113,16 +113,16 @@ class Impacts:
         set_all_axes(orientation, axes)
         return PlacedBodies(body, position, orientation, axes, self._half[body]), touching
 
-    def keep(self, state: State) -> None:
-        """Saves the poses of all bodies, for `catch`."""
+    def save_poses(self, state: State) -> None:
+        """Saves the poses of all bodies, for `stop_at_impacts`."""
         self._before = state.position_w.copy(), state.orientation_w.copy()
 
-    def catch(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers, quick: Booleans,
-              meshes: Meshes | None) -> None:
+    def stop_at_impacts(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers, ccd: Booleans,
+                        meshes: Meshes | None) -> None:
         """Moves CCD bodies of the pairs (k,) back to their times of impact if their way from the saved poses leads
         through something; they hold that pose for the rest of the step. Of two CCD bodies both are moved back.
 
-        quick: (n,) the CCD bodies. Changes the poses in `state`.
+        ccd: (n,) whether a body needs CCD. Changes the poses in `state`.
         """
         position, orientation = self._before
         velocity = (state.position_w - position) / self._dt
@@ -135,13 +135,13 @@ class Impacts:
         # A pair that touched at the start may go on touching, but the center of a CCD body must stay on its side.
         close = np.flatnonzero((outcome != NO_IMPACT) & (time <= 0.0))
         if len(close):
-            extents = np.where(quick[:, None], 0.0, self._half)
+            extents = np.where(ccd[:, None], 0.0, self._half)
             _, outcome[close] = self._times_of_impact(pair_a[close], pair_b[close], level[close], *motion, extents,
-                                                      meshes, quick)
+                                                      meshes, ccd)
         hit = outcome != NO_IMPACT
         for bodies in (pair_a[hit], pair_b[hit]):
             np.minimum.at(first, bodies, time[hit])
-        body = np.flatnonzero((first < 1.0) & quick)
+        body = np.flatnonzero((first < 1.0) & ccd)
         position_then, orientation_then = np.empty((len(body), 3)), np.empty((len(body), 4))
         advance_poses(body, first[body] * self._dt, *motion, position_then, orientation_then)
         state.position_w[body], state.orientation_w[body] = position_then, orientation_then
@@ -161,7 +161,7 @@ class Impacts:
                           meshes.tree if meshes else octree.EMPTY, self._dt, time, outcome, self._scratch)
         return time, outcome
 
-    def bring_back(self, m: Manifolds, first: int, placed: PlacedBodies, state: State) -> None:
+    def move_to_step_start(self, m: Manifolds, first: int, placed: PlacedBodies, state: State) -> None:
         """Converts the manifolds from number `first` on, found among the placed bodies, to the poses at the start of
         the step: their separations become the distances that the points still have to travel."""
         shift_to_step_start(first, m.count, m.pair, m.points, m.normal_w, m.point_w, m.anchor_w, m.separation,

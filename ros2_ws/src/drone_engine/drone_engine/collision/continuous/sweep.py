@@ -57,7 +57,7 @@ def scratch() -> SweepScratch:
 
 
 @kernel
-def fast(i, velocity, angular_velocity, half, dt):
+def needs_ccd(i, velocity, angular_velocity, half, dt):
     """Whether body i needs CCD: whether some point of it may move more than CCD_FRACTION of its smallest side in dt s.
 
     velocity, angular_velocity: (n, 3); half: (n, 3) half extents of the bodies' boxes, m.

@@ -1,12 +1,19 @@
 """All contacts of two posed meshes, from pairs of near triangles or of leaf boxes, and of a mesh with a plane.
 
-Contacts are written to: normal (k, 3) unit, from a to b; point (k, 2, 3) m, on a and on b; separation (k,) m, negative
-in penetration; feature (k,), an identifier that is stable from step to step. Each kernel returns their number; those
-that do not fit are counted, not written. position: (n, 3) m; axes: (n, 3, 3), one a row; world frame.
+Contacts are written to `work.found`; each kernel returns their number, including those that do not fit, which are not
+written. position: (n, 3) m; axes: (n, 3, 3), one a row; world frame. meshes: MeshArrays; work: PairScratch.
 """
 
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import obb
-from drone_engine.collision.mesh import features
+from drone_engine.collision.mesh import features, traversal
+from drone_engine.collision.mesh.contact_buffer import ContactBuffer, contact_buffer
+from drone_engine.collision.mesh.octree import Octree
 from drone_engine.collision.mesh.topology import CORNER
 from drone_engine.collision.mesh.transforms import axes_rotation, transform_point
 from drone_engine.kernel import kernel
@@ -19,14 +26,43 @@ MIN_CLEARANCE = 0.5  # of a contact's depth: least distance of its feature from 
 # edge); if it is closer, there is a shorter way out
 
 
-@kernel
-def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, owned, margin, inside, placed,
-                      normal, point, separation, feature):
-    """Writes all contacts of the first near_count pairs of triangles near (m, 2) of bodies a and b, at most `margin` m
-    apart and `inside` m deep.
+class MeshArrays(NamedTuple):
+    """The meshes of n bodies; m triangles."""
 
-    corners (t, 3, 3), normals (t, 7, 3), owned (t,): as in Octree and Topology. placed: (2, 10, 3) scratch.
-    """
+    tree: Octree  # the forest of all octrees
+    normals: Floats  # (m, 7, 3) as in Topology
+    owned: Integers  # (m,) as in Topology
+    roots: Integers  # (n,) root node of each body, -1 without a mesh
+
+
+class PairScratch(NamedTuple):
+    """Buffers for the contacts of one pair of meshes."""
+
+    near: NDArray[np.int32]  # (m, 2) pairs of triangles or of leaves
+    found: ContactBuffer
+    unassigned: Booleans  # (k,) scratch of `reduce_contacts`
+    spread: Floats  # (k,) scratch of `reduce_contacts`
+    triangles: Floats  # (2, 10, 3) a placed triangle of each body
+    leaves: obb.Boxes  # of 2 boxes: a leaf of each body
+    box: obb.BoxScratch
+    traversal: traversal.TraversalScratch
+
+
+def pair_scratch(near: int, contacts: int) -> PairScratch:
+    """Buffers for so many pairs of triangles or leaves, and so many contacts."""
+    return PairScratch(np.empty((near, 2), np.int32), contact_buffer(contacts), np.empty(contacts, np.bool_),
+                       np.empty(contacts), np.empty((2, 10, 3)),
+                       obb.Boxes(np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3))), obb.scratch(),
+                       traversal.scratch())
+
+
+@kernel
+def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, work):
+    """Writes all contacts of the first near_count pairs of triangles of work.near, of bodies a and b, at most `margin`
+    m apart and `inside` m deep. Contacts with a shorter way out elsewhere are left out."""
+    near, placed, out = work.near, work.triangles, work.found
+    corners, normals, owned = meshes.tree.corners, meshes.normals, meshes.owned
+    normal, point, separation, feature = out.normal, out.point, out.separation, out.feature
     ra, rb = axes_rotation(axes, a), axes_rotation(axes, b)
     found, last = 0, -1
     for k in range(near_count):
@@ -35,8 +71,8 @@ def triangle_contacts(position, axes, a, b, near, near_count, corners, normals, 
             features.place(corners[i], normals[i], ra, position[a, 0], position[a, 1], position[a, 2], placed[0])
             last = i
         features.place(corners[j], normals[j], rb, position[b, 0], position[b, 1], position[b, 2], placed[1])
-        found = features.feature_contacts(placed[0], owned[i], i, placed[1], owned[j], j, margin, inside, normal,
-                                          point, separation, feature, found)
+        found = features.feature_contacts(placed[0], owned[i], i, placed[1], owned[j], j, margin, inside, out,
+                                          found)
     if found > separation.shape[0]:
         return found
     kept = 0
@@ -73,26 +109,25 @@ def _has_shorter_way_out(position, axes, a, b, near, near_count, corners, placed
 
 
 @kernel
-def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, turn, size, scratch, at, box_points,
-                  box_normal, box_point, box_separation, box_feature, normal, point, separation, feature):
-    """Writes the contacts of the boxes of the first near_count pairs of leaves near (m, 2) of bodies a and b, at most
-    `margin` m apart.
-
-    box: (k, 6) as in Octree. spot (2, 3), turn (2, 3, 3), size (2, 3) and `scratch` (of box.contact) are scratch; so is
-    manifold `at` of the rows box_points .. box_feature.
-    """
+def leaf_contacts(position, axes, a, b, near_count, meshes, margin, work, manifolds, at):
+    """Writes the contacts of the boxes of the first near_count pairs of leaves of work.near, of bodies a and b, at most
+    `margin` m apart. manifolds: ContactArrays, row `at` of which is used as scratch."""
+    near, boxes, box, out = work.near, work.leaves, meshes.tree.box, work.found
+    center, half = boxes.center, boxes.half
+    normal, point, separation, feature = out.normal, out.point, out.separation, out.feature
+    box_normal, box_point = manifolds.normal, manifolds.point
+    box_separation, box_feature = manifolds.separation, manifolds.feature
     found = 0
-    turn[0], turn[1] = axes[a], axes[b]
-    boxes = obb.Boxes(spot, turn, size)
+    boxes.axes[0], boxes.axes[1] = axes[a], axes[b]
     for k in range(near_count):
         for side in range(2):
             body, leaf = (a, near[k, 0]) if side == 0 else (b, near[k, 1])
             r = axes_rotation(axes, body)
-            spot[side, 0], spot[side, 1], spot[side, 2] = transform_point(
+            center[side, 0], center[side, 1], center[side, 2] = transform_point(
                 r, position[body, 0], position[body, 1], position[body, 2], box[leaf, 0], box[leaf, 1], box[leaf, 2])
-            size[side, 0], size[side, 1], size[side, 2] = box[leaf, 3], box[leaf, 4], box[leaf, 5]
-        points = obb.contact(boxes, 0, boxes, 1, margin, at, box_points, box_normal, box_point, box_separation,
-                             box_feature, scratch)
+            half[side, 0], half[side, 1], half[side, 2] = box[leaf, 3], box[leaf, 4], box[leaf, 5]
+        points = obb.contact(boxes, 0, boxes, 1, margin, at, manifolds.points, box_normal, box_point, box_separation,
+                             box_feature, work.box)
         deepest = 0
         for i in range(1, points):
             if box_separation[at, i] < box_separation[at, deepest]:
@@ -113,9 +148,13 @@ def leaf_contacts(position, axes, a, b, near, near_count, box, margin, spot, tur
 
 
 @kernel
-def floor_contacts(position, axes, i, height, first, count, corners, owned, margin, normal, point, separation, feature):
-    """Writes the contacts of the corners of body i with the half-space below a height, m, at most `margin` m above it.
-    Triangles `first` to first + count of corners (t, 3, 3) are those of the body; normals point up."""
+def plane_contacts(position, axes, i, height, meshes, margin, work):
+    """Writes the contacts of the corners of body i with the half-space below a height, m, at most `margin` m above it;
+    normals point up."""
+    corners, owned, root = meshes.tree.corners, meshes.owned, meshes.roots[i]
+    first, count = meshes.tree.link[root, 2], meshes.tree.link[root, 3]
+    normal, point = work.found.normal, work.found.point
+    separation, feature = work.found.separation, work.found.feature
     r = axes_rotation(axes, i)
     found = 0
     for t in range(first, first + count):

@@ -4,10 +4,8 @@ Two surfaces come into contact at such pairs of features only. The contact plane
 that of the face, or the cross product of the edges if that points out of both meshes. The outside of a triangle is the
 side from which its corners run counter-clockwise.
 
-A placed triangle is an array (10, 3) in the world: its corners, m, then its seven normals as in Topology. Contacts are
-written to: normal (k, 3) unit, from a to b; point (k, 2, 3) m, on a and on b; separation (k,) m, negative in
-penetration; feature (k,), an identifier of the corner or the edges that is stable from step to step. Kernels append
-after the first `found` contacts and return the new number; those that do not fit are counted, not written.
+A placed triangle is an array (10, 3) in the world: its corners, m, then its seven normals as in Topology. Kernels
+append contacts to a ContactBuffer `out` after the first `found` and return the new number.
 """
 
 import math
@@ -42,25 +40,22 @@ def place_corners(corners, r, px, py, pz, world):
 
 
 @kernel
-def feature_contacts(a, owned_a, id_a, b, owned_b, id_b, margin, inside, normal, point, separation, feature, found):
+def feature_contacts(a, owned_a, id_a, b, owned_b, id_b, margin, inside, out, found):
     """Appends the contacts of two placed triangles that are at most `margin` m apart and at most `inside` m deep.
 
     owned_a, owned_b: bits of the features that the triangles own, as in Topology; id_a, id_b: indices of the triangles.
     """
     for i in range(3):
         if owned_a & (CORNER << i):
-            found = _corner_face_contact(a, i, b, -1.0, CORNER_OF_A + 4 * (3 * id_a + i), margin, inside, normal, point,
-                                         separation, feature, found)
+            found = _corner_face_contact(a, i, b, -1.0, CORNER_OF_A + 4 * (3 * id_a + i), margin, inside, out, found)
         if owned_b & (CORNER << i):
-            found = _corner_face_contact(b, i, a, 1.0, CORNER_OF_B + 4 * (3 * id_b + i), margin, inside, normal, point,
-                                         separation, feature, found)
+            found = _corner_face_contact(b, i, a, 1.0, CORNER_OF_B + 4 * (3 * id_b + i), margin, inside, out, found)
     for i in range(3):
         if owned_a & (EDGE << i):
             for j in range(3):
                 if owned_b & (EDGE << j):
                     identifier = EDGES + 4 * ((3 * id_a + i) << 29 | (3 * id_b + j))
-                    found = _edge_edge_contact(a, i, b, j, identifier, margin, inside, normal, point, separation,
-                                               feature, found)
+                    found = _edge_edge_contact(a, i, b, j, identifier, margin, inside, out, found)
     return found
 
 
@@ -71,7 +66,7 @@ def _dot(u, i, v, j):
 
 
 @kernel
-def _corner_face_contact(p, i, face, sign, identifier, margin, inside, normal, point, separation, feature, found):
+def _corner_face_contact(p, i, face, sign, identifier, margin, inside, out, found):
     """Appends the contact of corner i of triangle p with the face of triangle `face`, if their normals oppose each
     other and the corner projects into the face. sign: -1 for a corner of a, 1 for a corner of b."""
     if _dot(p, 7 + i, face, 3) >= 0.0:
@@ -87,13 +82,14 @@ def _corner_face_contact(p, i, face, sign, identifier, margin, inside, normal, p
         dx, dy, dz = x - face[k, 0], y - face[k, 1], z - face[k, 2]
         if (ny * ez - nz * ey) * dx + (nz * ex - nx * ez) * dy + (nx * ey - ny * ex) * dz < 0.0:
             return found  # outside of that edge; a corner on it counts as inside
-    if found < feature.shape[0]:
+    if found < out.feature.shape[0]:
+        normal, point = out.normal, out.point
         own, other = (0, 1) if sign < 0.0 else (1, 0)
         for k in range(3):
             normal[found, k] = sign * face[3, k]
             point[found, own, k] = p[i, k]
             point[found, other, k] = p[i, k] - s * face[3, k]
-        separation[found], feature[found] = s, identifier
+        out.separation[found], out.feature[found] = s, identifier
     return found + 1
 
 
@@ -110,7 +106,7 @@ def _inside_wedge(t, i, dx, dy, dz, x, y, z):
 
 
 @kernel
-def _edge_edge_contact(a, i, b, j, identifier, margin, inside, normal, point, separation, feature, found):
+def _edge_edge_contact(a, i, b, j, identifier, margin, inside, out, found):
     """Appends the contact of edge i of a with edge j of b, if the closest points of their lines lie on both edges.
 
     The formula is that of Ericson 2005, Real-Time Collision Detection, 5.1.8; cf. `triangle.closest`, where points are
@@ -139,12 +135,13 @@ def _edge_edge_contact(a, i, b, j, identifier, margin, inside, normal, point, se
     if not (_inside_wedge(a, i, ux * ru, uy * ru, uz * ru, x, y, z)
             and _inside_wedge(b, j, vx * rv, vy * rv, vz * rv, -x, -y, -z)):
         return found
-    if found < feature.shape[0]:
+    if found < out.feature.shape[0]:
+        normal, point = out.normal, out.point
         normal[found, 0], normal[found, 1], normal[found, 2] = x, y, z
         for k in range(3):
             point[found, 0, k] = a[i, k] + s * (a[i1, k] - a[i, k])
             point[found, 1, k] = b[j, k] + t * (b[j1, k] - b[j, k])
-        separation[found], feature[found] = gap, identifier
+        out.separation[found], out.feature[found] = gap, identifier
     return found + 1
 
 

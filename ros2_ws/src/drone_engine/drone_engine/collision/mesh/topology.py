@@ -7,6 +7,7 @@ triangles: Curtis, Tamstorf, Manocha 2008, Fast Collision Detection for Deformab
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drone_engine.arrays import Floats, Integers
 
@@ -19,6 +20,15 @@ class Topology(NamedTuple):
 
     normal: Floats  # (m, 7, 3) unit: of the face; of the neighbor across each edge i to i + 1; of each corner
     owned: Integers  # (m,) bits of owned features: corners 0 to 2, then edges 0 to 2; convex edges only
+
+
+class MeshCorners(NamedTuple):
+    """The corners of the meshes of n bodies, each to be tested once: k nodes, m triangles of a forest of octrees."""
+
+    link: NDArray[np.int32]  # (k, 4) as in Octree
+    corners: Floats  # (m, 3, 3) m, in the frames of the meshes
+    owned: Integers  # (m,) as in Topology
+    roots: Integers  # (n,) root node of each body, -1 without a mesh
 
 
 def find_topology(corners: Floats) -> Topology:

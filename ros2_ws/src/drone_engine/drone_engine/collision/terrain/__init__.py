@@ -1,1 +1,1 @@
-"""Height fields."""
+"""Terrain: height fields and the contacts of bodies with them."""

@@ -1,8 +1,8 @@
-"""Ground that is not flat: the upper surface of a model, as rain would find it, exact on its triangles.
+"""Height field of a terrain model: its uppermost surface, exact on its triangles.
 
-Faces and ridges stand in cells of a horizontal grid. Faces are the triangles that look up; where several lie one above
-the other, the highest counts. Ridges are their convex edges, which boxes rest on between their corners. What lies
-beyond the model, or in a hole of it, is flat and as low as its lowest point.
+Faces and ridges are stored in the cells of a horizontal grid. Faces are the triangles whose normals point up; where
+several lie one above the other, the highest counts. Ridges are their convex edges, on which boxes may rest between
+their corners. Outside of the model, and in its holes, the ground is horizontal at the height of its lowest point.
 """
 
 import math
@@ -20,59 +20,67 @@ from drone_engine.kernel import kernel
 from drone_engine.math.poses import rotate_all
 from drone_engine.model import Model, object_poses
 
-CELL = 1.0  # m, of ground that is not too wide for it
-CELLS = 512  # along x or y, at most
-PAD = 0.05  # m, how far beyond itself a face is known
-STEEPEST = 0.02  # cosine of the slope up to which a triangle looks up
-SLACK = 1e-9  # m that a point may lie outside of a face and still be on it
-BEYOND = 1e-3  # m beyond an edge at which the ground is asked for its height there
-BENT = 1e-6  # sine of the angle from which an edge is a ridge
+CELL_SIZE = 1.0  # m, unless that needs more than MAX_CELLS
+MAX_CELLS = 512  # along x or y
+FACE_PAD = 0.05  # m, growth of a face's rectangle when cells are filled
+MIN_UP_COSINE = 0.02  # cosine of the slope of the steepest face
+ON_FACE_TOLERANCE = 1e-9  # m by which a point may lie outside of a face and still count as on it
+PROBE_DISTANCE = 1e-3  # m from a border edge at which the height outside of the face is looked up
+MIN_RIDGE_SINE = 1e-6  # sine of the angle between two faces above which their edge is a ridge
+
+MIN_X, MIN_Y, CELLS_PER_M, COLUMNS, ROWS, LOWEST, HIGHEST = range(7)  # columns of `grid`
 
 
-NOTHING = (np.empty(0), *np.empty((2, 0), np.int32), np.empty((0, 13)))  # frame, start, entry, face without any ground
+class HeightField(NamedTuple):
+    """A height field with c cells, f faces and r ridges; m, world frame. Cells are numbered row * COLUMNS + column."""
 
-
-class Terrain(NamedTuple):
-    """c cells, f faces, r ridges; m, frame of the world."""
-
-    frame: Floats  # (7,) least x and y, cells per metre, cells along x and y, lowest and highest height
+    grid: Floats  # (7,) minimum of x and y, cells per m, number of columns (along x) and rows (along y), lowest and
+    # highest height
     start: NDArray[np.int32]  # (c + 1,) where each cell's faces begin in `entry`
-    entry: NDArray[np.int32]
-    flat: Floats  # (c,) the height of all that is in a cell, NaN if that is not one plane
-    top: Floats  # (c,) the greatest height in a cell
-    face: Floats  # (f, 13) unit normal, its product with a point of the plane; of each side the inner normal in the
-    # horizontal plane, and the distance at the origin
-    ridge_start: NDArray[np.int32]
-    ridge_entry: NDArray[np.int32]
-    ridge: Floats  # (r, 15) its ends; the ways down its two faces; the mean of their normals; all but the ends unit
-    ridge_cell: NDArray[np.int32]  # (r, 2) the first column and row that it is in
+    entry: NDArray[np.int32]  # faces, by cell
+    flat: Floats  # (c,) height of everything in a cell if that is one horizontal plane, else NaN
+    top: Floats  # (c,) largest height in a cell
+    face: Floats  # (f, 13) unit normal, its dot product with a point of the plane; for each side: inner unit normal in
+    # the horizontal plane (2), and the distance of the origin along it
+    ridge_start: NDArray[np.int32]  # (c + 1,) where each cell's ridges begin in `ridge_entry`
+    ridge_entry: NDArray[np.int32]  # ridges, by cell
+    ridge: Floats  # (r, 15) both ends; for each of the two faces the unit vector down the face, perpendicular to the
+    # ridge; the mean of the faces' normals, unit
+    ridge_cell: NDArray[np.int32]  # (r, 2) first column and row of the cells that a ridge is in
+
+
+# A height field without any ground, for kernels that need one where a scene has no terrain.
+NO_GROUND = HeightField(
+    np.empty(0), np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0), np.empty(0), np.empty((0, 13)),
+    np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 15)), np.empty((0, 2), np.int32))
 
 
 @kernel
-def cell_of(frame, x, y):
-    """The column and row of the cell at a point; they may be outside of the grid."""
+def cell_of(grid, x, y):
+    """The column and row of the cell at a point, which may be outside of the grid; grid: as in HeightField."""
     limit = 1e9
-    return (np.int64(math.floor(min(max((x - frame[0]) * frame[2], -limit), limit))),
-            np.int64(math.floor(min(max((y - frame[1]) * frame[2], -limit), limit))))
+    return (np.int64(math.floor(min(max((x - grid[MIN_X]) * grid[CELLS_PER_M], -limit), limit))),
+            np.int64(math.floor(min(max((y - grid[MIN_Y]) * grid[CELLS_PER_M], -limit), limit))))
 
 
 @kernel
-def within(face, f, x, y):
-    """How far a point is inside of a face seen from above, m; negative outside."""
+def distance_inside(face, f, x, y):
+    """The horizontal distance of a point inside of face f from its nearest side, m; negative outside."""
     return min(face[f, 4] * x + face[f, 5] * y + face[f, 6],
                min(face[f, 7] * x + face[f, 8] * y + face[f, 9], face[f, 10] * x + face[f, 11] * y + face[f, 12]))
 
 
 @kernel
-def below(frame, start, entry, face, x, y):
-    """The highest face at a point, -1 where there is none, and the height there."""
-    found, height = -1, frame[5]
-    column, row = cell_of(frame, x, y)
-    if 0 <= column < frame[3] and 0 <= row < frame[4]:
-        cell = row * np.int64(frame[3]) + column
+def face_below(field, x, y):
+    """The highest face at (x, y), -1 outside of all faces, and the height there, m."""
+    grid, start, entry, face = field.grid, field.start, field.entry, field.face
+    found, height = -1, grid[LOWEST]
+    column, row = cell_of(grid, x, y)
+    if 0 <= column < grid[COLUMNS] and 0 <= row < grid[ROWS]:
+        cell = row * np.int64(grid[COLUMNS]) + column
         for k in range(start[cell], start[cell + 1]):
             f = entry[k]
-            if within(face, f, x, y) >= -SLACK:
+            if distance_inside(face, f, x, y) >= -ON_FACE_TOLERANCE:
                 z = (face[f, 3] - face[f, 0] * x - face[f, 1] * y) / face[f, 2]
                 if found < 0 or z > height:
                     found, height = f, z
@@ -80,17 +88,19 @@ def below(frame, start, entry, face, x, y):
 
 
 @kernel
-def lies_under(frame, flat, top, x0, y0, x1, y1):
-    """The height of a rectangle if it is one plane, else NaN; and its greatest height, or more."""
-    column, row = cell_of(frame, x0, y0)
-    last_column, last_row = cell_of(frame, x1, y1)
+def rectangle_heights(field, x0, y0, x1, y1):
+    """The height of the ground below a rectangle if that is one horizontal plane, else NaN; and an upper bound of its
+    height; m."""
+    grid, flat, top = field.grid, field.flat, field.top
+    column, row = cell_of(grid, x0, y0)
+    last_column, last_row = cell_of(grid, x1, y1)
     height = most = -math.inf
     level = True
-    if column < 0 or row < 0 or last_column >= frame[3] or last_row >= frame[4]:
-        height = most = frame[5]
-    for j in range(max(row, 0), min(last_row + 1, np.int64(frame[4]))):
-        for i in range(max(column, 0), min(last_column + 1, np.int64(frame[3]))):
-            cell = j * np.int64(frame[3]) + i
+    if column < 0 or row < 0 or last_column >= grid[COLUMNS] or last_row >= grid[ROWS]:
+        height = most = grid[LOWEST]
+    for j in range(max(row, 0), min(last_row + 1, np.int64(grid[ROWS]))):
+        for i in range(max(column, 0), min(last_column + 1, np.int64(grid[COLUMNS]))):
+            cell = j * np.int64(grid[COLUMNS]) + i
             most = max(most, top[cell])
             if height == -math.inf:
                 height = flat[cell]
@@ -98,30 +108,32 @@ def lies_under(frame, flat, top, x0, y0, x1, y1):
     return height if level else math.nan, most
 
 
-def of(model: Model) -> Terrain | None:
-    """That of a scene's ground, if it has one. Raises mesh.MeshError."""
+def of_model(model: Model) -> HeightField | None:
+    """The height field of a scene's terrain, None if it has none. Raises mesh.MeshError."""
     if model.terrain is None:
         return None
     start = model.bodies.start_w
     pose = object_poses(model.bodies, start[:, :3], start[:, 3:])[model.terrain]
-    return _read(model.paths[model.terrain], tuple(pose.tolist()))
+    return _load(model.paths[model.terrain], tuple(pose.tolist()))
 
 
 @read_once
-def _read(path: Path, pose: tuple[float, ...]) -> Terrain:
+def _load(path: Path, pose: tuple[float, ...]) -> HeightField:
+    """The height field of a model at a pose: x y z m and a unit quaternion x y z w."""
     vertices, faces = mesh.surface(path)
     if pose[3:] != (0.0, 0.0, 0.0, 1.0):
         vertices = rotate_all(np.tile(pose[3:], (len(vertices), 1)), vertices)
     return build(vertices + pose[:3], faces, path)
 
 
-def build(vertices: Floats, faces: Integers, path: Path) -> Terrain:
-    """That of triangles (f, 3) of vertices (v, 3). Raises mesh.MeshError if none of them looks up."""
+def build(vertices: Floats, faces: Integers, path: Path) -> HeightField:
+    """The height field of faces (f, 3) of vertices (v, 3), m, world frame; path: of the model, for messages. Raises
+    mesh.MeshError if no face points up."""
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    up = across[:, 2] > STEEPEST * np.linalg.norm(across, axis=1)
+    up = across[:, 2] > MIN_UP_COSINE * np.linalg.norm(across, axis=1)
     if not up.any():
-        raise mesh.MeshError(f"{path}: is ground, but no triangle of it looks up")
+        raise mesh.MeshError(f"{path}: expected a triangle that faces up, as the collision level is ground, got none")
     faces, corners, across = faces[up], corners[up], across[up]
     normal = across / np.linalg.norm(across, axis=1, keepdims=True)
     middle = corners.mean(axis=1)
@@ -133,65 +145,68 @@ def build(vertices: Floats, faces: Integers, path: Path) -> Terrain:
     distance = -(inner * corners[..., :2]).sum(axis=-1)
     table = np.concatenate([normal, offset[:, None], np.dstack([inner, distance]).reshape(-1, 9)], axis=1)
     table = np.ascontiguousarray(table)
-    rim = _rim(faces, len(vertices))
+    border = _border_edges(faces, len(vertices))
 
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    cell = max(CELL, float((high[:2] - low[:2]).max()) / CELLS)
-    size = np.floor((high[:2] - low[:2]) / cell).astype(int) + 1
-    frame = np.array([low[0], low[1], 1.0 / cell, *size, low[2], corners[..., 2].max()])
-    cells, which = _spread(corners[..., :2].min(axis=1) - PAD, corners[..., :2].max(axis=1) + PAD, frame)
+    cell_size = max(CELL_SIZE, float((high[:2] - low[:2]).max()) / MAX_CELLS)
+    size = np.floor((high[:2] - low[:2]) / cell_size).astype(int) + 1
+    grid = np.array([low[0], low[1], 1.0 / cell_size, *size, low[2], corners[..., 2].max()])
+    cells, which = _cells_of_rectangles(corners[..., :2].min(axis=1) - FACE_PAD,
+                                        corners[..., :2].max(axis=1) + FACE_PAD, grid)
     flat, top = np.full(size.prod(), np.nan), np.full(size.prod(), low[2])
     np.maximum.at(top, cells, corners[which, :, 2].max(axis=1))
     least = np.full(size.prod(), np.inf)
     np.minimum.at(least, cells, corners[which, :, 2].min(axis=1))
     flat = np.where((least == top) | np.isinf(least), top, np.nan)
-    ends = vertices[_ends(faces)[rim]][..., :2]  # beyond which it is as low as can be
-    at_rim, _ = _spread(ends.min(axis=1) - PAD, ends.max(axis=1) + PAD, frame)
-    flat[at_rim[top[at_rim] != low[2]]] = np.nan
-    start, entry = _sorted(cells, which, size.prod())
-    steps = _steps(vertices, faces, normal, rim, lambda x, y: below(frame, start, entry, table, x, y)[1])
-    ridge = np.concatenate([_ridges(vertices, faces, normal), steps])
+    ends = vertices[_edges(faces)[border]][..., :2]  # beyond these the ground may be at its lowest height
+    at_border, _ = _cells_of_rectangles(ends.min(axis=1) - FACE_PAD, ends.max(axis=1) + FACE_PAD, grid)
+    flat[at_border[top[at_border] != low[2]]] = np.nan
+    start, entry = _sorted_by_cell(cells, which, size.prod())
+    no_ridges = np.zeros(1, np.int32), np.empty(0, np.int32), np.empty((0, 15)), np.empty((0, 2), np.int32)
+    field = HeightField(grid, start, entry, flat, top, table, *no_ridges)
+    border_ridges = _border_ridges(vertices, faces, normal, border, lambda x, y: face_below(field, x, y)[1])
+    ridge = np.concatenate([_convex_edge_ridges(vertices, faces, normal), border_ridges])
     ends = ridge[:, :6].reshape(-1, 2, 3)[..., :2]
     ridge_low = ends.min(axis=1)
-    ridge_cells, of_ridge = _spread(ridge_low, ends.max(axis=1), frame)
-    ridge_start, ridge_entry = _sorted(ridge_cells, of_ridge, size.prod())
-    first = np.floor((ridge_low - frame[:2]) * frame[2]).astype(np.int32).reshape(-1, 2)
-    return Terrain(frame, start, entry, flat, top, table, ridge_start, ridge_entry, ridge,
-                   np.ascontiguousarray(np.clip(first, 0, size - 1).astype(np.int32)))
+    ridge_cells, of_ridge = _cells_of_rectangles(ridge_low, ends.max(axis=1), grid)
+    ridge_start, ridge_entry = _sorted_by_cell(ridge_cells, of_ridge, size.prod())
+    first = np.floor((ridge_low - grid[:2]) * grid[2]).astype(np.int32).reshape(-1, 2)
+    ridge_cell = np.ascontiguousarray(np.clip(first, 0, size - 1).astype(np.int32))
+    return field._replace(ridge_start=ridge_start, ridge_entry=ridge_entry, ridge=ridge, ridge_cell=ridge_cell)
 
 
-def _ends(faces: Integers) -> Integers:
-    """The edges (3 f, 2) of faces, three of each, the face to their left."""
+def _edges(faces: Integers) -> Integers:
+    """The edges (3 f, 2) of faces, three of each, with the face on their left."""
     return np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
 
 
-def _rim(faces: Integers, count: int) -> Integers:
-    """Which of the edges are those of one face alone, (k,)."""
-    ends = _ends(faces)
+def _border_edges(faces: Integers, count: int) -> Integers:
+    """The indices (k,) of edges, as from `_edges`, that belong to one face only; count: number of vertices."""
+    ends = _edges(faces)
     key = ends.min(axis=1).astype(np.int64) * count + ends.max(axis=1)
     _, first, times = np.unique(key, return_index=True, return_counts=True)
     return np.asarray(first[times == 1])
 
 
-def _steps(
-    vertices: Floats, faces: Integers, normal: Floats, rim: Integers, height: Callable[[float, float], float]
+def _border_ridges(
+    vertices: Floats, faces: Integers, normal: Floats, border: Integers, height: Callable[[float, float], float]
 ) -> Floats:  # fmt: skip
-    """Rows (s, 15) as Terrain has them, of the edges `rim` beyond which the ground, of a height (x, y), is lower: as if
-    a second face went straight down there."""
-    p, q = (vertices[_ends(faces)[rim, k]] for k in range(2))
+    """Ridges (s, 15), as in HeightField, at those border edges outside of which the ground is lower, as if a second
+    face went straight down there; border: (k,) indices of edges; height: of the ground at (x, y)."""
+    p, q = (vertices[_edges(faces)[border, k]] for k in range(2))
     along = (q - p) / np.linalg.norm(q - p, axis=1, keepdims=True)
     out = np.cross(along, [0.0, 0.0, 1.0])
     out /= np.linalg.norm(out, axis=1, keepdims=True)
-    beyond = 0.5 * (p + q) + BEYOND * out
-    lower = np.array([height(x, y) < z - 2.0 * BEYOND for x, y, z in beyond.tolist()], bool)
-    mean = normal[rim // 3] + out
+    beyond = 0.5 * (p + q) + PROBE_DISTANCE * out
+    lower = np.array([height(x, y) < z - 2.0 * PROBE_DISTANCE for x, y, z in beyond.tolist()], bool)
+    mean = normal[border // 3] + out
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     down = np.tile([0.0, 0.0, -1.0], (len(p), 1))
-    return np.asarray(np.concatenate([p, q, np.cross(normal[rim // 3], along), down, mean], axis=1)[lower])
+    return np.asarray(np.concatenate([p, q, np.cross(normal[border // 3], along), down, mean], axis=1)[lower])
 
 
-def _ridges(vertices: Floats, faces: Integers, normal: Floats) -> Floats:
-    """Rows (r, 15) as Terrain has them, of the edges where two faces bend down."""
+def _convex_edge_ridges(vertices: Floats, faces: Integers, normal: Floats) -> Floats:
+    """Ridges (r, 15), as in HeightField, at the convex edges between two faces."""
     begin, end = faces, np.roll(faces, -1, axis=1)
     key = np.minimum(begin, end).astype(np.int64) * len(vertices) + np.maximum(begin, end)
     order = np.argsort(key.ravel(), kind="stable")
@@ -200,27 +215,28 @@ def _ridges(vertices: Floats, faces: Integers, normal: Floats) -> Floats:
     a, b = order[first] // 3, order[first + 1] // 3
     p, q = (vertices[ends.ravel()[order[first]]] for ends in (begin, end))
     along = (q - p) / np.linalg.norm(q - p, axis=1, keepdims=True)
-    # The face is to the left of its own side, and the other face has that side the other way round.
+    # The first face is on the left of the edge; the other face has the edge in the opposite direction.
     down_a, down_b = np.cross(normal[a], along), -np.cross(normal[b], along)
     mean = normal[a] + normal[b]
-    bent = (normal[b] * down_a).sum(axis=1) < -BENT
-    bent &= (begin.ravel()[order[first]] != begin.ravel()[order[first + 1]])  # else they turn against each other
+    convex = (normal[b] * down_a).sum(axis=1) < -MIN_RIDGE_SINE
+    # Otherwise the two faces are oriented inconsistently.
+    convex &= begin.ravel()[order[first]] != begin.ravel()[order[first + 1]]
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
-    return np.ascontiguousarray(np.concatenate([p, q, down_a, down_b, mean], axis=1)[bent])
+    return np.ascontiguousarray(np.concatenate([p, q, down_a, down_b, mean], axis=1)[convex])
 
 
-def _spread(low: Floats, high: Floats, frame: Floats) -> tuple[Integers, Integers]:
-    """The cells that rectangles overlap, and the rectangle of each."""
-    size = frame[3:5].astype(int)
-    first, last = (np.clip(np.floor((corner - frame[:2]) * frame[2]).astype(int), 0, size - 1)
+def _cells_of_rectangles(low: Floats, high: Floats, grid: Floats) -> tuple[Integers, Integers]:
+    """The cells that rectangles from low (k, 2) to high (k, 2) overlap, (m,), and the rectangle of each, (m,)."""
+    size = grid[3:5].astype(int)
+    first, last = (np.clip(np.floor((corner - grid[:2]) * grid[2]).astype(int), 0, size - 1)
                    for corner in (low, high))
     cells = [(np.arange(first[i, 1], last[i, 1] + 1)[:, None] * size[0]
               + np.arange(first[i, 0], last[i, 0] + 1)).ravel() for i in range(len(low))]
-    counts = [len(some) for some in cells]
+    counts = [len(overlapped) for overlapped in cells]
     return np.concatenate([np.empty(0, np.int64), *cells]), np.repeat(np.arange(len(low)), counts)
 
 
-def _sorted(cells: Integers, which: Integers, count: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Where each cell begins, (count + 1,), and what is in it."""
+def _sorted_by_cell(cells: Integers, which: Integers, count: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Sorts entries by cell: where each cell begins, (count + 1,), and the entries; cells, which: (m,)."""
     start = np.searchsorted(np.sort(cells), np.arange(count + 1)).astype(np.int32)
     return start, which[np.argsort(cells, kind="stable")].astype(np.int32)

@@ -1,37 +1,53 @@
-"""The stage that finds what stands on uneven ground: its contacts become few manifolds, in the compiled loop."""
+"""The stage that finds the contacts of bodies with terrain and reduces them to manifolds."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drone_engine.arrays import Booleans, Floats, Integers
+from drone_engine.arrays import Booleans, Floats
 from drone_engine.collision.box import plane
 from drone_engine.collision.manifold import GROUND, MESHES, OTHERS, POINTS, SAME_SIDE, SWEPT, write_anchors
-from drone_engine.collision.mesh.reduction import pick
-from drone_engine.collision.terrain.contacts import meet_box, meet_corner, meet_mesh
-from drone_engine.collision.terrain.height_field import Terrain, lies_under
+from drone_engine.collision.mesh.contact_buffer import ContactBuffer, contact_buffer
+from drone_engine.collision.mesh.contact_reduction import SAME_POINT_DISTANCE, select_points
+from drone_engine.collision.mesh.topology import MeshCorners
+from drone_engine.collision.terrain.contacts import box_contacts, mesh_contacts, point_contacts
+from drone_engine.collision.terrain.height_field import HeightField, rectangle_heights
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel
 
-MORE_CONTACTS, MORE_MANIFOLDS = 1, 2
-MOST = 6  # manifolds of a pair
-SAME = 1e-4  # m; points this close are one
-DEPTH_WORTH = 30.0  # how many m of distance from other points one m of depth is worth: hulls rest on what touches
-TOUCHING = 1e-4  # m; points farther off tell less and less of the normal that is a group's
+MORE_CONTACTS, MORE_MANIFOLDS = 1, 2  # return codes of `terrain_contacts`
+MAX_MANIFOLDS = 6  # of a pair
+DEPTH_WEIGHT = 30.0  # distance from the other points, m, that counts as much as 1 m of depth: hulls rest on the points
+# that touch
+TOUCHING_DISTANCE = 1e-4  # m; farther points have less and less weight in the normal of their group
+
+
+class TerrainArrays(NamedTuple):
+    """The terrain of a scene, and the buffers of its contacts, as `terrain_contacts` takes them."""
+
+    body: int
+    field: HeightField
+    meshes: MeshCorners
+    found: ContactBuffer  # contacts of one body before they are grouped into manifolds
+    unassigned: Booleans  # (k,) scratch
+    spread: Floats  # (k,) scratch
 
 
 @kernel
-def group(count, normal, point, separation, feature, most, free, spread, points, out_normal, out_point, out_separation,
-          out_feature, made):
-    """Appends up to `most` manifolds of the first `count` contacts after the first `made`, each of what has nearly the
-    same normal, which becomes the mean of what touches; returns how many manifolds there are. Contacts keep their
-    order, so that at rest nothing changes from step to step. free, spread: (k,) scratch."""
-    free[:count] = True
-    for _ in range(most):
+def _group_contacts(count, found, unassigned, spread, out, made):
+    """Appends at most MAX_MANIFOLDS manifolds of the first `count` contacts of the ContactBuffer `found` to the first
+    `made` of `out` (ContactArrays); returns the new number.
+
+    Contacts with nearly the same normal form a group; its normal is their mean, mostly of those that touch. Contacts
+    keep their order, so that manifolds of bodies at rest do not change from step to step. unassigned, spread: (k,)
+    scratch.
+    """
+    normal, separation = found.normal, found.separation
+    unassigned[:count] = True
+    for _ in range(MAX_MANIFOLDS):
         seed = 0
-        while seed < count and not free[seed]:
+        while seed < count and not unassigned[seed]:
             seed += 1
         if seed == count:
             break
@@ -39,33 +55,34 @@ def group(count, normal, point, separation, feature, most, free, spread, points,
         members = 0
         for i in range(count):
             spread[i] = -1e300
-            if free[i] and (normal[i, 0] * normal[seed, 0] + normal[i, 1] * normal[seed, 1]
-                            + normal[i, 2] * normal[seed, 2]) >= SAME_SIDE:
-                free[i], spread[i] = False, 1e300
+            if unassigned[i] and (normal[i, 0] * normal[seed, 0] + normal[i, 1] * normal[seed, 1]
+                                  + normal[i, 2] * normal[seed, 2]) >= SAME_SIDE:
+                unassigned[i], spread[i] = False, 1e300
                 members += 1
-                worth = TOUCHING / (TOUCHING + max(separation[i], 0.0))
-                x, y, z = (x + worth * worth * normal[i, 0], y + worth * worth * normal[i, 1],
-                           z + worth * worth * normal[i, 2])
+                weight = TOUCHING_DISTANCE / (TOUCHING_DISTANCE + max(separation[i], 0.0))
+                x, y, z = (x + weight * weight * normal[i, 0], y + weight * weight * normal[i, 1],
+                           z + weight * weight * normal[i, 2])
         length = math.sqrt(x * x + y * y + z * z)
         x, y, z = x / length, y / length, z / length
-        out_normal[made, 0], out_normal[made, 1], out_normal[made, 2] = x, y, z
+        out.normal[made, 0], out.normal[made, 1], out.normal[made, 2] = x, y, z
         if members <= POINTS:
-            points[made] = _copy(count, point, separation, feature, spread, out_point[made], out_separation[made],
-                                 out_feature[made])
+            out.points[made] = _copy_points(count, found, spread, out, made)
         else:
             start = -1
             for i in range(count):
                 if spread[i] > 0.0 and (start < 0 or separation[i] < separation[start]):
                     start = i
-            points[made] = pick(count, point, separation, feature, POINTS, start, spread, DEPTH_WORTH, out_point[made],
-                                out_separation[made], out_feature[made])
+            out.points[made] = select_points(count, found, POINTS, start, spread, DEPTH_WEIGHT, out, made)
         made += 1
     return made
 
 
 @kernel
-def _copy(count, point, separation, feature, spread, out_point, out_separation, out_feature):
-    """Writes the contacts of one group, of those at one place the first."""
+def _copy_points(count, found, spread, out, row):
+    """Writes the contacts of one group, those with spread >= 0, to manifold `row` of `out`, of those closer than
+    SAME_POINT_DISTANCE the first; returns their number."""
+    point, separation, feature = found.point, found.separation, found.feature
+    out_point = out.point[row]
     made = 0
     for i in range(count):
         if spread[i] < 0.0:
@@ -75,38 +92,37 @@ def _copy(count, point, separation, feature, spread, out_point, out_separation, 
             square = 0.0
             for c in range(3):
                 square += (0.5 * (point[i, 0, c] + point[i, 1, c]) - out_point[k, c]) ** 2
-            known = known or square < SAME * SAME
+            known = known or square < SAME_POINT_DISTANCE * SAME_POINT_DISTANCE
         if not known:
             for c in range(3):
                 out_point[made, c] = 0.5 * (point[i, 0, c] + point[i, 1, c])
-            out_separation[made], out_feature[made] = separation[i], feature[i]
+            out.separation[row, made], out.feature[row, made] = separation[i], feature[i]
             made += 1
     return made
 
 
 @kernel
-def stand(counts, position, body_bounds, grid_tables, pairs, ground, contacts):
-    """Appends the manifolds of the terrain and the bodies on it. Where the terrain below a body is one horizontal
-    plane, contacts are those of a plane. ground: GroundArrays. Returns 0, MORE_CONTACTS or MORE_MANIFOLDS."""
+def terrain_contacts(counts, position, body_bounds, grid_tables, pairs, terrain, contacts):
+    """Appends the manifolds of the terrain and the bodies on it. Where the ground below a body is one horizontal plane,
+    they are those of a plane.
+
+    terrain: TerrainArrays; contacts: ContactArrays. Returns 0, or MORE_CONTACTS or MORE_MANIFOLDS if there is no room.
+    """
     axes, half, low, high = body_bounds.axes, body_bounds.half, body_bounds.low, body_bounds.high
     ordered, level, margins = grid_tables.ordered, pairs.level, pairs.margin
-    land = ground.terrain
-    frame, start, entry, face = land.frame, land.start, land.entry, land.face
-    flat, top, ridge_start, ridge_entry = land.flat, land.top, land.ridge_start, land.ridge_entry
-    raw_normal, raw_point, raw_separation = ground.raw_normal, ground.raw_point, ground.raw_separation
-    raw_feature = ground.raw_feature
-    pair, points, normal, point, met = contacts.pair, contacts.points, contacts.normal, contacts.point, contacts.level
+    field, buffer = terrain.field, terrain.found
+    pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
     separation, feature, end = contacts.separation, contacts.feature, contacts.end
     found = end[OTHERS]
     for k in range(counts.pairs[0]):
         a, b = ordered[0, k], ordered[1, k]
-        if (a != ground.body and b != ground.body) or level[k] < SPHERE:
+        if (a != terrain.body and b != terrain.body) or level[k] < SPHERE:
             continue
-        if found + MOST > points.shape[0]:
+        if found + MAX_MANIFOLDS > points.shape[0]:
             return MORE_MANIFOLDS
-        body, up = (b, 1.0) if a == ground.body else (a, -1.0)
-        height, most = lies_under(frame, flat, top, low[body, 0], low[body, 1], high[body, 0], high[body, 1])
-        if low[body, 2] > most:
+        body, up = (b, 1.0) if a == terrain.body else (a, -1.0)
+        height, top = rectangle_heights(field, low[body, 0], low[body, 1], high[body, 0], high[body, 1])
+        if low[body, 2] > top:
             continue
         margin, first = margins[k], found
         if not np.isnan(height) and level[k] <= OBB:
@@ -119,25 +135,20 @@ def stand(counts, position, body_bounds, grid_tables, pairs, ground, contacts):
             found += points[found] > 0
         else:
             if level[k] == SPHERE:
-                ball = math.sqrt(half[body, 0] ** 2 + half[body, 1] ** 2 + half[body, 2] ** 2)
-                count = meet_corner(frame, start, entry, face, position[body, 0], position[body, 1], position[body, 2],
-                                    ball, 0, margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
+                radius = math.sqrt(half[body, 0] ** 2 + half[body, 1] ** 2 + half[body, 2] ** 2)
+                count = point_contacts(field, position[body, 0], position[body, 1], position[body, 2], radius, 0,
+                                       margin, buffer, 0)
             elif level[k] == OBB:
-                count = meet_box(frame, start, entry, face, ridge_start, ridge_entry, land.ridge, land.ridge_cell,
-                                 position, axes, half, body, low, high, margin, raw_normal, raw_point, raw_separation,
-                                 raw_feature, 0)
+                count = box_contacts(field, position, axes, half, body, low, high, margin, buffer, 0)
             else:
-                root = ground.link[ground.roots[body]]
-                count = meet_mesh(frame, start, entry, face, position, axes, body, ground.corners, ground.owned,
-                                  root[2], root[3], margin, raw_normal, raw_point, raw_separation, raw_feature, 0)
-            if count > raw_separation.shape[0]:
+                count = mesh_contacts(field, position, axes, body, terrain.meshes, margin, buffer, 0)
+            if count > buffer.separation.shape[0]:
                 return MORE_CONTACTS
-            found = group(count, raw_normal, raw_point, raw_separation, raw_feature, MOST, ground.free, ground.spread,
-                          points, normal, point, separation, feature, found)
+            found = _group_contacts(count, buffer, terrain.unassigned, terrain.spread, contacts, found)
         if not pairs.all_contacts[k] and found > first:
-            found = _keep_deepest(first, found, points, normal, point, separation, feature)
+            found = _keep_deepest(first, found, contacts)
         for i in range(first, found):
-            pair[i, 0], pair[i, 1], met[i] = a, b, level[k]
+            pair[i, 0], pair[i, 1], contacts.level[i] = a, b, level[k]
             for c in range(3):
                 normal[i, c] *= up
     write_anchors(end[OTHERS], found, pair, points, point, position, contacts.anchor)
@@ -146,8 +157,11 @@ def stand(counts, position, body_bounds, grid_tables, pairs, ground, contacts):
 
 
 @kernel
-def _keep_deepest(first, found, points, normal, point, separation, feature):
-    """Leaves the deepest point of manifolds `first` on alone; returns how many there are then."""
+def _keep_deepest(first, found, contacts):
+    """Reduces manifolds `first` to `found` of ContactArrays to one with their deepest point; returns the new number of
+    manifolds."""
+    points, normal, point = contacts.points, contacts.normal, contacts.point
+    separation, feature = contacts.separation, contacts.feature
     best, at = first, 0
     for i in range(first, found):
         for k in range(points[i]):
@@ -160,38 +174,23 @@ def _keep_deepest(first, found, points, normal, point, separation, feature):
     return first + 1
 
 
-class GroundArrays(NamedTuple):
-    """The terrain of a scene, and the room that its contacts need."""
+class Terrain:
+    """The terrain of a scene, with the buffers of its contacts."""
 
-    body: int
-    terrain: Terrain
-    link: NDArray[np.int32]  # of the octrees of meshes, whose corners may touch the terrain
-    corners: Floats
-    owned: Integers
-    roots: Integers  # (n,) of each body's octree
-    raw_normal: Floats  # (k, 3) contacts before they are grouped into manifolds
-    raw_point: Floats  # (k, 2, 3)
-    raw_separation: Floats  # (k,)
-    raw_feature: Integers  # (k,)
-    free: Booleans  # (k,) scratch
-    spread: Floats  # (k,) scratch
+    def __init__(self, field: HeightField, body: int) -> None:
+        """body: index of the terrain in the scene."""
+        self.field, self.body = field, body
+        self._allocate(256)
 
-
-class Footing:
-    """The ground of a scene, with the room that its contacts need."""
-
-    def __init__(self, terrain: Terrain, body: int) -> None:
-        self.terrain, self.body = terrain, body
-        self._make_room(256)
-
-    def _make_room(self, contacts: int) -> None:
-        self._raw: tuple[Any, ...] = (np.empty((contacts, 3)), np.empty((contacts, 2, 3)), np.empty(contacts),
-                                      np.empty(contacts, np.int64), np.empty(contacts, np.bool_), np.empty(contacts))
+    def _allocate(self, contacts: int) -> None:
+        """Makes room for so many contacts of one body."""
+        self._found = contact_buffer(contacts)
+        self._unassigned, self._spread = np.empty(contacts, np.bool_), np.empty(contacts)
 
     def grow(self) -> None:
-        """Makes twice as much room."""
-        self._make_room(2 * len(self._raw[0]))
+        """Doubles the room for contacts."""
+        self._allocate(2 * len(self._spread))
 
-    def arrays(self, meshes: tuple[Any, Floats, Integers, Integers]) -> GroundArrays:
-        """As `stand` takes them; meshes: link, corners, owned and roots."""
-        return GroundArrays(self.body, self.terrain, *meshes, *self._raw)
+    def arrays(self, meshes: MeshCorners) -> TerrainArrays:
+        """The arguments of `terrain_contacts`; meshes: those that may touch the terrain."""
+        return TerrainArrays(self.body, self.field, meshes, self._found, self._unassigned, self._spread)

@@ -297,7 +297,7 @@ def test_bodies_that_move_far_in_a_step_need_ccd() -> None:
     velocity = np.array([[1.4, 0, 0], [1.6, 0, 0], [0, 0, 0], [0, 0, 0]])
     spin = np.array([[0, 0, 0], [0, 0, 0], [0, 3.9, 0], [0, 0, 4.1]])
     spin = spin.astype(float)
-    assert [bool(sweep.fast(i, velocity, spin, half, DT)) for i in range(4)] == [False, True, False, True]
+    assert [bool(sweep.needs_ccd(i, velocity, spin, half, DT)) for i in range(4)] == [False, True, False, True]
 
 
 @pytest.mark.parametrize(("change", "message"), [

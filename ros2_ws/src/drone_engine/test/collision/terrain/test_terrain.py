@@ -1,4 +1,4 @@
-"""Uneven ground: bodies stand on what is seen of the island, which is asked by vertical lines, without the code."""
+"""Terrain: bodies rest on the drawn surface of the island, whose heights are found by vertical lines, independently."""
 
 from collections.abc import Callable
 from functools import cache
@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from drone_engine import Scene, SceneError, load, parse
-from drone_engine.collision.terrain import height_field as terrain
+from drone_engine.collision.terrain import height_field
 from drone_engine.effects import ground_effect
+from drone_engine.effects.disks import Disks
 from drone_engine.geometry import mesh
 from drone_engine.math.poses import rotate_all
 from drone_engine.world import World
@@ -29,7 +30,7 @@ SEA = -0.35  # m
 
 
 def on_island(thing: str, effects: str = "gravity: {}, drag: {}", level: str = "ground", rest: str = "") -> World:
-    """The island's ground with one thing."""
+    """A world with the island's terrain and one object."""
     return World(parse(f"version: 1\nrates: {{physics: 30}}\neffects: {{{effects}}}\n{rest}\nobjects:\n"
                        f"  thing: {thing}\n  island: {{model: island, static: true, collision: {{level: {level}}}}}\n",
                        load("island").path))
@@ -43,7 +44,7 @@ def dropped(name: str, place: tuple[float, float], level: str = "ground", rest: 
 
 @cache
 def triangles() -> np.ndarray:
-    """Those of the island, (t, 3, 3), that are seen from above."""
+    """The triangles of the island that face up, (t, 3, 3)."""
     vertices, faces = mesh.surface(load("island").model_path("island"))
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -52,7 +53,7 @@ def triangles() -> np.ndarray:
 
 
 def drawn(points: np.ndarray) -> np.ndarray:
-    """How high the drawn island is at points (k, 2), m: vertical lines cut by every triangle that is near."""
+    """The height of the drawn island at points (k, 2), m: of the highest triangle on a vertical line."""
     corners = triangles()
     height = np.full(len(points), corners[..., 2].min())
     low, high = points.min(axis=0), points.max(axis=0)
@@ -67,7 +68,7 @@ def drawn(points: np.ndarray) -> np.ndarray:
 
 
 def clearance(world: World) -> float:
-    """How far the box of the thing is above the drawn island where it is closest, m; negative where it is inside."""
+    """The smallest height of the object's box above the drawn island, m; negative in penetration."""
     half, grid = world.model.bodies.half[0], np.linspace(-1.0, 1.0, 33)
     points = np.array([np.insert(pair, axis, side) for axis, side in product(range(3), (-1.0, 1.0))
                        for pair in product(grid, grid)]) * half
@@ -77,7 +78,7 @@ def clearance(world: World) -> float:
 
 @pytest.mark.parametrize("name", THINGS)
 @pytest.mark.parametrize("place", PLACES)
-def test_it_comes_to_rest_where_the_island_is_seen_and_stays(name: str, place: str) -> None:
+def test_objects_come_to_rest_on_the_drawn_surface_and_stay(name: str, place: str) -> None:
     world = dropped(name, PLACES[place])
     world.run(20 * 30)
     assert abs(clearance(world)) < 0.5e-3
@@ -87,7 +88,7 @@ def test_it_comes_to_rest_where_the_island_is_seen_and_stays(name: str, place: s
 
 
 @pytest.mark.parametrize("place", ["side of a knoll", "beach under the sea", "headland", "ledge"])
-def test_it_does_not_creep_where_nothing_sleeps(place: str) -> None:
+def test_objects_do_not_creep_without_sleeping(place: str) -> None:
     world = dropped("crate", PLACES[place], rest="dynamics: {sleep: false}")
     world.run(20 * 30)
     before = world.pose("thing")[:3]
@@ -96,7 +97,7 @@ def test_it_does_not_creep_where_nothing_sleeps(place: str) -> None:
     assert abs(clearance(world)) < 0.5e-3
 
 
-def test_flat_ground_is_a_floor_bit_for_bit() -> None:
+def test_flat_ground_equals_a_floor_bit_for_bit() -> None:
     ground, floor = (dropped("crate", PLACES["square"], level) for level in ("ground", "floor"))
     for _ in range(150):
         ground.step()
@@ -105,17 +106,17 @@ def test_flat_ground_is_a_floor_bit_for_bit() -> None:
 
 
 def test_heights_are_those_of_the_triangles() -> None:
-    land = terrain.of(dropped("crate", (0.0, 0.0)).model)
+    land = height_field.of_model(dropped("crate", (0.0, 0.0)).model)
     assert land is not None
     random = np.random.default_rng(3)
     angle, away = random.uniform(0.0, 2.0 * np.pi, 3000), 80.0 * np.sqrt(random.random(3000))
     points = np.column_stack([away * np.cos(angle), away * np.sin(angle)])
-    found = [terrain.below(land.frame, land.start, land.entry, land.face, x, y)[1] for x, y in points]
+    found = [height_field.face_below(land, x, y)[1] for x, y in points]
     np.testing.assert_allclose(found, [drawn(point[None])[0] for point in points], atol=1e-9)
 
 
 @pytest.mark.parametrize("level", ["octree", "triangle"])
-def test_finer_levels_stand_with_their_own_corners(level: str) -> None:
+def test_finer_levels_rest_on_the_corners_of_their_mesh(level: str) -> None:
     world = dropped("drone", PLACES["side of a knoll"])
     world.set_collision_level(level)
     world.run(30 * 30)
@@ -125,7 +126,7 @@ def test_finer_levels_stand_with_their_own_corners(level: str) -> None:
     assert abs((corners[:, 2] - drawn(corners[:, :2])).min()) < 1e-3
 
 
-def test_a_sphere_stands_on_its_lowest_point() -> None:
+def test_a_sphere_rests_on_its_lowest_point() -> None:
     world = dropped("drone", PLACES["square"])
     world.set_collision_level("sphere")
     world.run(10 * 30)
@@ -147,7 +148,7 @@ def test_a_drone_that_flies_at_the_headland_stays_outside() -> None:
 
 
 @pytest.mark.parametrize("place", ["beach", "side of a knoll", "headland", "square"])
-def test_a_drone_lands_where_it_is_told_and_takes_off_again(place: str) -> None:
+def test_a_drone_lands_on_terrain_and_takes_off_again(place: str) -> None:
     world = on_island(FLYING % (*PLACES[place], 2.5, 0.4))
     for _ in range(150):
         world.step({"thing": (0.0, 0.0, -1.0, 0.0)})
@@ -166,7 +167,7 @@ STEP = [(-5, -5, 1), (0, -5, 1), (0, 5, 1), (-5, 5, 1), (0, -5, 0), (5, -5, 0), 
 
 
 @pytest.mark.parametrize("wall", [True, False])
-def test_what_hangs_over_a_step_stays(tmp_path: Path, wall: bool) -> None:
+def test_a_crate_that_overhangs_a_step_stays(tmp_path: Path, wall: bool) -> None:
     """A crate of 0.6 m, a third of it over the edge of ground that drops by a metre, with and without a face there."""
     faces = [(1, 2, 3), (1, 3, 4), (5, 6, 7), (5, 7, 8)] + [(2, 5, 8), (2, 8, 3)] * wall
     (tmp_path / "models").mkdir()
@@ -203,11 +204,11 @@ def test_a_ball_is_stopped_by_a_slope(tmp_path: Path, steep: float) -> None:
     assert world.state.velocity_w[0, 0] < 1.9
 
 
-def test_ground_may_be_wide(tmp_path: Path) -> None:
+def test_wide_terrain_has_a_bounded_number_of_cells(tmp_path: Path) -> None:
     (tmp_path / "plain.obj").write_text("v -1e4 -1e4 0\nv 1e4 -1e4 0\nv 1e4 1e4 0\nv -1e4 1e4 1\nf 1 2 3\nf 1 3 4\n")
-    found = terrain.build(*mesh.surface(tmp_path / "plain.obj"), tmp_path / "plain.obj")
+    found = height_field.build(*mesh.surface(tmp_path / "plain.obj"), tmp_path / "plain.obj")
     assert len(found.flat) < 300_000
-    assert terrain.below(found.frame, found.start, found.entry, found.face, -9e3, 9e3)[1] == pytest.approx(0.9)
+    assert height_field.face_below(found, -9e3, 9e3)[1] == pytest.approx(0.9)
 
 
 # The sea
@@ -248,11 +249,11 @@ def test_a_drone_that_fell_into_the_sea_floats_and_flies_on() -> None:
     assert world.pose("thing")[2] > floats[2] + 1.0
 
 
-# Small grounds
+# Small terrains
 
 @pytest.fixture
 def folder(scene: Callable[..., Scene]) -> Path:
-    """That of the small models."""
+    """The folder of the small models."""
     return scene("crate: {model: crate, mass: 1}").path.parents[1]
 
 
@@ -267,7 +268,7 @@ HILL = "hill: {model: hill, static: true, collision: {level: ground}}\n"
 
 
 def test_a_crate_lies_across_a_ridge(world: Callable[..., World], folder: Path) -> None:
-    """Its corners hang in the air at both sides."""
+    """Its corners are above the slopes on both sides."""
     hill(folder)
     lying = world(HILL + "crate: {model: crate, mass: 5, pose: [0, 0, 1.05, 0, 0, 0.3]}", "effects: {gravity: {}}")
     lying.run(20 * round(1 / lying.dt))
@@ -275,31 +276,31 @@ def test_a_crate_lies_across_a_ridge(world: Callable[..., World], folder: Path) 
     assert lying.pose("crate")[:2] == pytest.approx((0.0, 0.0), abs=1e-2)
 
 
-def test_beyond_its_model_ground_is_as_low_as_that(world: Callable[..., World], folder: Path) -> None:
+def test_outside_of_its_model_the_ground_is_at_its_lowest_height(world: Callable[..., World], folder: Path) -> None:
     hill(folder)
     far = world(HILL + "crate: {model: crate, mass: 5, pose: [500, 0, 0.4]}", "effects: {gravity: {}}")
     far.run(5 * round(1 / far.dt))
     assert far.pose("crate")[2] == pytest.approx(0.0, abs=1e-4)
 
 
-def test_rotors_gain_over_the_ground_below_them() -> None:
-    island = terrain.of(dropped("crate", (0.0, 0.0)).model)
+def test_ground_effect_uses_the_terrain_below_the_rotors() -> None:
+    island = height_field.of_model(dropped("crate", (0.0, 0.0)).model)
     assert island is not None
     x, y = PLACES["headland"]
     force, torque = np.zeros((1, 3)), np.zeros((1, 3))
-    ground_effect.lift(np.empty(0), island.frame, island.start, island.entry, island.face, np.zeros(1, np.int64),
-                       np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.array([0.1]), np.array([3.0]),
+    rotor = Disks(np.zeros(1, np.int64), np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.array([0.1]))
+    ground_effect.lift(np.empty(0), island, rotor, np.array([3.0]),
                        np.array([[x, y, drawn(np.array([[x, y]]))[0] + 0.1]]), np.array([[0.0, 0.0, 0.0, 1.0]]),
                        np.zeros((1, 3)), np.empty((0, 3)), 1.225, force, torque)
     np.testing.assert_allclose(force[0], [0.0, 0.0, 3.0 / 15.0])
 
 
-def test_what_is_no_ground_is_refused(folder: Path, world: Callable[..., World]) -> None:
+def test_invalid_terrain_is_refused(folder: Path, world: Callable[..., World]) -> None:
     hill(folder)
     with pytest.raises(SceneError, match=r"other.collision.level: expected one 'ground' in a scene, and 'hill'"):
         world(HILL + "other: {model: hill, static: true, collision: {level: ground}}")
     with pytest.raises(SceneError, match="a 'ground' is static, so it must not have a 'mass'"):
         world("hill: {model: hill, mass: 1, collision: {level: ground}}")
     (folder / "models" / "ceiling.obj").write_text("v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 3 2\n")
-    with pytest.raises(mesh.MeshError, match="is ground, but no triangle of it looks up"):
+    with pytest.raises(mesh.MeshError, match=r"expected a triangle that faces up, .* got none"):
         world("ceiling: {model: ceiling, static: true, collision: {level: ground}}")
