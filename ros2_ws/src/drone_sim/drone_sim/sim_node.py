@@ -20,6 +20,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from drone_engine import SceneError, kernel_cache, load
+from drone_engine.behavior import BehaviorError
 from drone_engine.geometry.mesh import MeshError
 from drone_engine.world import World
 from drone_sim.node.pacing import Pacer, Share
@@ -45,7 +46,8 @@ UNPACED_SLICE = 0.005  # s of wall time that one callback steps for when running
 class SimNode(Node):
     """Runs one scene; `load_world` replaces it while the node runs. Sets `stop` at the end of the duration.
 
-    Raises SceneError or MeshError if the first scene cannot be loaded, ParameterError for a wrong parameter.
+    Raises SceneError, MeshError or BehaviorError if the first scene cannot be loaded, ParameterError for a wrong
+    parameter. A BehaviorError in a step ends the node, because the scene is no longer the one that was described.
     """
 
     def __init__(self, stop: Stop) -> None:
@@ -85,7 +87,7 @@ class SimNode(Node):
     # Scenes
 
     def _build(self, name: str) -> World:
-        """Loads and compiles a world. Raises SceneError or MeshError."""
+        """Loads and compiles a world. Raises SceneError, MeshError or BehaviorError."""
         world = World(load(name), timed=True)
         first_time = not kernel_cache.compiled_before()
 
@@ -217,7 +219,7 @@ class SimNode(Node):
             return response
         try:
             self._start(self._build(uri))
-        except (SceneError, MeshError) as error:
+        except (SceneError, MeshError, BehaviorError) as error:
             self.get_logger().error(f"load_world: {error}")
             response.result = Result(result=LoadWorld.Response.RESOURCE_PARSE_ERROR, error_message=str(error))
             return response
@@ -306,7 +308,7 @@ class SimNode(Node):
 
 def main(args: list[str] | None = None) -> int:
     """Runs the node until its duration is over or a signal ends it; returns the exit status."""
-    return run("drone_sim", SimNode, args, SceneError, MeshError)
+    return run("drone_sim", SimNode, args, SceneError, MeshError, BehaviorError)
 
 
 if __name__ == "__main__":
