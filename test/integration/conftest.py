@@ -1,6 +1,6 @@
-"""Fixtures of the integration tests: a ROS domain of one's own, real node processes, and an ear in their graph.
+"""Fixtures of the integration tests: a private ROS domain, real node processes, and a node of the test among them.
 
-Each module of tests has its own domain and shares its processes and its Graph between its tests.
+Each module of tests has its own domain; its tests share the processes and the Graph.
 """
 
 import os
@@ -59,10 +59,10 @@ def _listen_for_one_test(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """What ended in an earlier test is no business of this one."""
+    """Forgets processes that ended in an earlier test."""
     processes = item.config.stash.get(_RUNNING, [])
     for process in [process for process in processes if process.ended()]:
-        process.kill()  # what it may have left behind
+        process.kill()  # with the processes it may have started
         processes.remove(process)
 
 
@@ -70,7 +70,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A test that fails shows what the processes of its module have said."""
+    """Adds the output of the processes of its module to the report of a test that fails."""
     report = yield
     if report.failed:
         for process in item.config.stash.get(_RUNNING, []):

@@ -1,4 +1,4 @@
-"""Real processes and the graph that they form, as seen from a test."""
+"""Real processes, and a node of the test in the ROS graph that they form."""
 
 import ctypes
 import json
@@ -25,18 +25,18 @@ from rclpy.subscription import Subscription
 T = TypeVar("T")
 
 PR_SET_PDEATHSIG = 1  # of linux/prctl.h
-prctl = ctypes.CDLL(None).prctl  # looked up here: a fork of many threads must take no lock
+prctl = ctypes.CDLL(None).prctl  # looked up here: a forked child of a multithreaded process must not take locks
 
 DEADLINE = 120.0  # s; only a test that fails waits so long. The first start on a machine compiles kernels
 
 
 def _die_with_the_test() -> None:
-    """Else a test that is killed leaves nodes behind, and they talk to the next one's."""
+    """Has the kernel kill the process when the test ends, so that it cannot reach the nodes of the next test."""
     prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class NodeProcess:
-    """A process in its own process group, its output kept. As a context manager it ends with the block."""
+    """A process in its own process group, with its output. As a context manager it ends with the block."""
 
     def __init__(self, name: str, command: list[str], environment: dict[str, str]) -> None:
         self.name = name
@@ -49,6 +49,7 @@ class NodeProcess:
 
     @property
     def pid(self) -> int:
+        """Its process id."""
         return self._process.pid
 
     def output(self) -> str:
@@ -63,7 +64,7 @@ class NodeProcess:
         return 0
 
     def send(self, number: signal.Signals) -> None:
-        """Sends a signal to the process alone; what it does then is not held against it."""
+        """Sends a signal to the process; its end is then not an error."""
         self.ended_by_test = True
         self._process.send_signal(number)
 
@@ -88,6 +89,7 @@ class NodeProcess:
         self._process.wait()
 
     def ended(self) -> bool:
+        """Whether it has ended."""
         return self._process.poll() is not None
 
     def died(self) -> bool:
@@ -95,6 +97,7 @@ class NodeProcess:
         return not self.ended_by_test and self._process.poll() not in (None, 0)
 
     def state(self) -> str:
+        """Running, or the exit status."""
         status = self._process.poll()
         return "running" if status is None else f"exit status {status}"
 
@@ -135,7 +138,7 @@ class Graph:
         self.node: Node = rclpy.create_node("test", context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._ears: list[Subscription] = []
+        self._subscriptions: list[Subscription] = []
 
     def __enter__(self) -> Self:
         return self
@@ -148,13 +151,13 @@ class Graph:
     def listen(self, kind: type[Any], topic: str, qos: QoSProfile | int = 100, raw: bool = False) -> list[Any]:
         """Subscribes until the test ends; the list grows by every message that arrives (CDR bytes if `raw`)."""
         heard: list[Any] = []
-        self._ears.append(self.node.create_subscription(kind, topic, heard.append, qos, raw=raw))
+        self._subscriptions.append(self.node.create_subscription(kind, topic, heard.append, qos, raw=raw))
         return heard
 
     def stop_listening(self) -> None:
-        """Ends all subscriptions: what nobody reads would keep the next test from reading its own."""
-        while self._ears:
-            self.node.destroy_subscription(self._ears.pop())
+        """Ends all subscriptions, so that their messages do not delay those of the next test."""
+        while self._subscriptions:
+            self.node.destroy_subscription(self._subscriptions.pop())
 
     def publisher(self, kind: type[Any], topic: str, qos: QoSProfile | int = 10) -> Publisher:
         """A publisher that has at least one subscriber by the time that this returns."""
@@ -191,6 +194,6 @@ class Graph:
             if dead := [process.name for process in self._processes if process.died()]:
                 pytest.fail(f"{', '.join(dead)} died while waiting for {what or predicate}")
             if time.monotonic() > deadline:
-                pytest.fail(f"waited {timeout:g} s in vain for {what or predicate}")
+                pytest.fail(f"{what or predicate}: not within {timeout:g} s")
             self._executor.spin_once(timeout_sec=0.05)
         return found

@@ -41,7 +41,7 @@ def scene_file(folder: Path, drone: str) -> Path:
 
 
 class Drone:
-    """What is heard of a drone."""
+    """The odometry of a drone."""
 
     def __init__(self, graph: Graph, name: str) -> None:
         self.odometry: list[Odometry] = graph.listen(Odometry, f"{name}/odom")
@@ -90,7 +90,7 @@ def test_it_follows_to_another_scene(graph: Graph, tmp_path: Path) -> None:
     graph.wait_for(Drone(graph, "scout").at(WAYPOINTS[1]), "the new drone on its patrol")
 
 
-def test_a_scene_that_cannot_be_read_is_said_and_survived(graph: Graph, spawn: Spawn, tmp_path: Path) -> None:
+def test_a_scene_that_cannot_be_loaded_is_reported_and_survived(graph: Graph, spawn: Spawn, tmp_path: Path) -> None:
     ai = spawn("drone_ai.ai_node", "-r", "__ns:=/other")
     scenes = graph.publisher(SceneMessage, "other/scene", KEPT)
     scenes.publish(SceneMessage(hash="1", uri=str(tmp_path / "missing.yaml")))

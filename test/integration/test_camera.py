@@ -93,7 +93,7 @@ def test_depth_and_labels_come_with_the_names_of_what_they_show(graph: Graph) ->
     assert np.isfinite(depth[label > 0]).all()
 
 
-def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
+def test_a_subscriber_of_all_topics_gets_each_message_once_per_stamp(graph: Graph) -> None:
     images = {view: graph.listen(Image, f"camera/round{view}/image_raw", qos_profile_sensor_data) for view in VIEWS}
     infos = {view: graph.listen(CameraInfo, f"camera/round{view}/camera_info", qos_profile_sensor_data)
              for view in VIEWS}
@@ -116,8 +116,8 @@ def test_whoever_listens_to_all_gets_each_once_per_stamp(graph: Graph) -> None:
     assert np.all(np.diff(stamps(turns())) > 0)
 
 
-def test_whoever_wants_depth_alone_has_no_colours_drawn(graph: Graph) -> None:
-    """Not even where they take the camera_info that lies beside the colours."""
+def test_color_is_not_drawn_for_subscribers_of_depth_alone(graph: Graph) -> None:
+    """Nor for subscribers of depth and of the camera_info of color."""
     depths = graph.listen(Image, "camera/deep/depth/image_raw", qos_profile_sensor_data)
     infos = [graph.listen(CameraInfo, f"camera/deep{view}/camera_info", qos_profile_sensor_data) for view in VIEWS[:2]]
     reports = graph.listen(DiagnosticArray, "diagnostics")

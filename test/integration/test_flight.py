@@ -1,4 +1,4 @@
-"""The simulation node as its users meet it: commands in, poses and collisions out."""
+"""The simulation node: commands in, poses and collisions out."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -34,15 +34,15 @@ def sim(spawn: Spawn) -> None:
 
 
 def listen(graph: Graph, kind: type[Any], topic: str) -> list[Any]:
-    """What is said on a topic from now on; waits for the first word."""
+    """The messages of a topic from now on; waits for the first one."""
     heard = graph.listen(kind, topic)
-    graph.wait_for(lambda: heard, f"a word on {topic}")
+    graph.wait_for(lambda: heard, f"a message on {topic}")
     return heard
 
 
 @pytest.fixture
 def odometry(graph: Graph) -> Callable[[str], list[Odometry]]:
-    """What a drone says about itself."""
+    """The odometry of a drone."""
     return lambda drone: listen(graph, Odometry, f"{drone}/odom")
 
 
@@ -61,7 +61,7 @@ def speed(message: Odometry) -> float:
     return math.hypot(velocity.x, velocity.y, velocity.z)
 
 
-def test_flies_where_it_is_told_and_stops_when_told_no_more(
+def test_a_drone_follows_commands_and_stops_when_they_stop(
     graph: Graph, odometry: Callable[[str], list[Odometry]], poses: Callable[[str], list[PoseStamped]]
 ) -> None:
     flown, placed = odometry("user_drone"), poses("user_drone")

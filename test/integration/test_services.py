@@ -1,4 +1,4 @@
-"""Scenes are switched, paused, stepped and reset while the simulation runs; what is wrong is refused and it goes on."""
+"""Services: scenes are loaded, paused, stepped and reset; wrong requests are rejected and the simulation continues."""
 
 import math
 import time
@@ -84,7 +84,7 @@ def test_a_scene_is_switched_and_a_broken_one_is_not(graph: Graph, tmp_path: Pat
     assert len(scenes) == 2
 
 
-def test_time_stands_still_is_stepped_and_starts_over(graph: Graph) -> None:
+def test_time_is_paused_stepped_and_reset(graph: Graph) -> None:
     clock = graph.listen(Clock, "/clock")
     graph.wait_for(lambda: clock, "time")
     assert set_state(graph, SimulationState.STATE_PAUSED) == Result.RESULT_OK
@@ -110,7 +110,7 @@ def test_time_stands_still_is_stepped_and_starts_over(graph: Graph) -> None:
     graph.wait_for(lambda: seconds(clock[-1]) < latest, "time to start over")
 
 
-def test_what_the_collision_detection_sees_is_shown_to_who_looks(graph: Graph) -> None:
+def test_the_debug_view_is_published_to_subscribers(graph: Graph) -> None:
     seen = graph.listen(MarkerArray, "debug/markers")
     graph.wait_for(lambda: seen and any(marker.ns == "contacts" for marker in seen[-1].markers), "contacts")
     box = next(marker for marker in seen[-1].markers if marker.ns == "boxes" and marker.header.frame_id == "crate_0")
@@ -139,7 +139,7 @@ def test_octrees_are_shown_as_deep_as_a_parameter_says_in_a_pause_as_well(graph:
     assert set_state(graph, SimulationState.STATE_PLAYING) == Result.RESULT_OK
 
 
-def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None:
+def test_the_collision_level_is_changed_and_events_name_it(graph: Graph) -> None:
     events = graph.listen(CollisionEvents, "collisions")
     assert load(graph, "hangar").result.result == Result.RESULT_OK
 
@@ -159,7 +159,7 @@ def test_the_level_of_collision_is_changed_and_events_tell(graph: Graph) -> None
     assert answer.message == "level: expected one of sphere, obb, octree, triangle, got 'box'"
 
 
-def test_diagnostics_tell_what_each_stage_takes(graph: Graph, sim: NodeProcess) -> None:
+def test_diagnostics_report_the_time_of_each_stage(graph: Graph, sim: NodeProcess) -> None:
     reports = graph.listen(DiagnosticArray, "diagnostics")
 
     def stages() -> dict[str, float]:
@@ -171,7 +171,7 @@ def test_diagnostics_tell_what_each_stage_takes(graph: Graph, sim: NodeProcess) 
     assert {"broad phase", "motion: gravity"} <= set(stages())
 
 
-def test_a_twist_that_is_not_finite_is_counted_and_not_obeyed(graph: Graph, sim: NodeProcess) -> None:
+def test_a_twist_that_is_not_finite_is_counted_and_ignored(graph: Graph, sim: NodeProcess) -> None:
     poses = graph.listen(PoseStamped, "user_drone/pose")
     reports = graph.listen(DiagnosticArray, "diagnostics")
     pilot = graph.publisher(Twist, "cmd_vel")

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -34,6 +34,10 @@ def nanoseconds(typing):
         return builder.add(builder.mul(seconds, ir.Constant(whole, 1_000_000_000)), rest)
 
     return types.int64(), read
+
+
+if config.DISABLE_JIT:  # an intrinsic exists in compiled code only
+    nanoseconds = time.monotonic_ns
 
 
 @kernel
