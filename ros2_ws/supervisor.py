@@ -22,7 +22,7 @@ from typing import IO, Self
 SPACING = 0.5  # s between two starts: programs that join a ROS graph at the same moment may miss each other
 GRACE = 1.8  # s between the first signal to end and SIGKILL
 LAST_LINES = 15  # lines of output repeated when a program fails
-CLEAN_STATUS = (0, -signal.SIGINT, -signal.SIGTERM, 128 + signal.SIGINT)  # of a program that was told to end
+CLEAN_STATUS = (0, -signal.SIGINT, -signal.SIGTERM, 128 + signal.SIGINT)  # of a program that ended on request
 
 _LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[[\d.]+\] \[[^\]]*\]: ?(.*)")  # rcutils' format
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -52,7 +52,7 @@ class _Running:
     last: deque[str] = field(default_factory=lambda: deque(maxlen=LAST_LINES))
 
     def ended_cleanly(self, status: int) -> bool:
-        """Whether a program that was told to end did; Python exits with 1 if SIGINT arrives while it starts."""
+        """Whether a program ended on request; Python exits with 1 if SIGINT arrives while it starts."""
         return status in CLEAN_STATUS or (bool(self.last) and self.last[-1].startswith("KeyboardInterrupt"))
 
 

@@ -1,8 +1,9 @@
-"""Conventions of the code: docstrings, kernels with few parameters, no change of sys.path."""
+"""Conventions of the code: docstrings, kernels with few parameters, no change of sys.path, plain wording."""
 
 import ast
 import re
 import subprocess
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -12,23 +13,18 @@ ENGINE = "ros2_ws/src/drone_engine/drone_engine/"
 MAX_PARAMETERS = 15  # of a kernel
 KERNEL = re.compile(r"(kernel|inlined|c_function|numba\.(njit|jit|cfunc|vectorize))\b")  # decorators that compile
 
+# Words that the documentation, docstrings and comments do not use: old ones, and those that make persons of programs.
+WORDING = re.compile(r"\b(anew|reckon(ed|s|ing)?|seldom|shall|whoever|somebody|nobody|anybody|(is|are|was|were) told"
+                     r"|knows (no|nothing|nobody)|hangs? on|in vain|takes leave|those who|who wants|springy|hurry)\b",
+                     re.IGNORECASE)
+
 # Kernels with more parameters, by file under drone_engine and name, each with the reason.
 MANY_PARAMETERS = {
     "collision/box/sat.py:gaps": "scalars only: a SIMD leaf",
-    "collision/continuous/sweep.py:sweep_pairs": "called from Python: flat arrays",
-    "collision/mesh/contacts.py:leaf_contacts": "to be grouped",
-    "collision/mesh/contacts.py:triangle_contacts": "to be grouped",
-    "collision/mesh/narrow.py:_contacts": "to be grouped",
-    "collision/mesh/narrow.py:find_contacts": "to be grouped",
-    "collision/mesh/traversal.py:_find": "called from Python for each query: flat arrays",
-    "collision/mesh/traversal.py:_hits": "called from Python for each query: flat arrays",
-    "collision/mesh/traversal.py:_leaves": "to be grouped",
+    "collision/mesh/traversal.py:_find_all": "called from Python for each query: flat arrays",
+    "collision/mesh/traversal.py:_intersects_all": "called from Python for each query: flat arrays",
+    "collision/mesh/traversal.py:_leaf_triangles": "the innermost loop: access to fields of records counts references",
     "collision/ray/cast.py:ray_octree": "scalars of the ray beside the arrays of the tree",
-    "collision/terrain/contacts.py:meet_box": "to be grouped",
-    "collision/terrain/contacts.py:meet_mesh": "to be grouped",
-    "dynamics/contact_constraints.py:enter": "to be grouped",
-    "dynamics/contact_motion.py:begin": "to be grouped",
-    "dynamics/contact_motion.py:meet": "to be grouped",
     "flight/control.py:loops": "scalars only: a SIMD leaf",
     "flight/control.py:rates": "scalars only: a SIMD leaf",
     "flight/pilot.py:guidance": "scalars only: a SIMD leaf",
@@ -118,3 +114,25 @@ def test_nothing_changes_the_import_path() -> None:
     found = [f"{line}:{number}" for line in listed.stdout.splitlines()
              for number, text in enumerate((ROOT / line).read_text().splitlines(), 1) if change.search(text)]
     assert not found
+
+
+def prose(path: Path) -> Iterator[tuple[int, str]]:
+    """Line numbers and texts: all lines of a page; docstrings and comments of a Python file."""
+    if path.suffix == ".md":
+        yield from enumerate(path.read_text().splitlines(), 1)
+        return
+    with path.open("rb") as file:
+        for token in tokenize.tokenize(file.readline):
+            if token.type == tokenize.COMMENT:
+                yield token.start[0], token.string
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
+            yield from enumerate(text.splitlines(), node.body[0].lineno)
+
+
+def test_wording() -> None:
+    listed = subprocess.run(["git", "ls-files", "--", "*.md"], cwd=ROOT, capture_output=True, text=True, check=True)
+    found = [f"{path.relative_to(ROOT)}:{number}: {match[0]}"
+             for path in [*sources(), *(ROOT / line for line in listed.stdout.splitlines())]
+             for number, text in prose(path) for match in WORDING.finditer(text)]
+    assert not found, "\n".join(found)

@@ -44,13 +44,17 @@ class Surroundings(Protocol):
     """What a Thing sees of the world that it is in."""
 
     @property
-    def time(self) -> float: ...
+    def time(self) -> float:
+        """Simulated time, s."""
 
-    def command(self, drone: str, command: Command) -> None: ...
+    def command(self, drone: str, command: Command) -> None:
+        """Sets the command of a drone."""
 
-    def wake(self, body: int) -> None: ...
+    def wake(self, body: int) -> None:
+        """Wakes a body by its index."""
 
-    def touching(self, body: int) -> tuple[str, ...]: ...
+    def touching(self, body: int) -> tuple[str, ...]:
+        """Names of the objects that touch a body."""
 
 
 class Thing:

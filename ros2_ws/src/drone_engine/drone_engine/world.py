@@ -1,4 +1,4 @@
-"""A running scene: arrays, and a step that is a tuple of stages. Knows no ROS.
+"""A running scene: arrays, and a step that is a tuple of stages; without ROS.
 
     world = World(load("island"))
     for _ in range(300):

@@ -140,6 +140,7 @@ def at_anchors(t, row, k, q0, q1, q2, q3):
 
 @inlined
 def _over_points(t, at, q0, q1, q2, q3):
+    """The sum of q0 to q3 times a field of the four points, whose values are L6 apart from `at` on."""
     return q0 * t[at] + q1 * t[at + L6] + q2 * t[at + 2 * L6] + q3 * t[at + 3 * L6]
 
 

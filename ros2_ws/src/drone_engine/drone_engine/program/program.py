@@ -1,6 +1,6 @@
 """Stages become one compiled loop: a step, or a thousand, without returning to Python.
 
-For every stage there is a C function and a row with the addresses of its arguments; the loop knows nothing else, so
+For every stage there is a C function and a row with the addresses of its arguments; the loop contains nothing else, so
 that a scene with other stages compiles only the kernels that other scenes did not have. The loop returns to Python for
 a stage that has no kernel, and when a kernel returns a code other than 0, because a buffer is too small, for instance.
 
