@@ -29,7 +29,7 @@ def write_model(folder: Path, name: str, shape: trimesh.Trimesh, material: str) 
 @pytest.fixture
 def make_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], scene.Scene]:
     """Reads a scene from text; its models are ball, lamp (a ball that glows), floor, and crates with all maps: crate,
-    whose colours vary too much to be packed with its normals, and grey_crate."""
+    whose colors vary too much to be packed with its normals, and gray_crate."""
     models, textures = tmp_path / "models", tmp_path / "textures"
     for folder in (models, textures):
         folder.mkdir()
@@ -40,10 +40,10 @@ def make_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str
     crate.unmerge_vertices()  # for edges that look sharp
     maps = "Kd 1 1 1\nKs 0.3 0.3 0.3\nNs 64\nmap_Kd ../textures/noise.png\nnorm ../textures/bumps.png"
     write_model(models, "crate", crate, maps)
-    write_model(models, "grey_crate", crate, maps.replace("noise", "grey"))
+    write_model(models, "gray_crate", crate, maps.replace("noise", "gray"))
     grain = np.random.default_rng(1).integers(60, 200, (16, 16, 3), dtype=np.uint8)
     Image.fromarray(grain).save(textures / "noise.png")
-    Image.fromarray(np.repeat(grain[..., :1], 3, axis=2)).save(textures / "grey.png")
+    Image.fromarray(np.repeat(grain[..., :1], 3, axis=2)).save(textures / "gray.png")
     bumps = np.dstack([grain[..., :2], np.full((16, 16), 220, np.uint8)])
     Image.fromarray(bumps).save(textures / "bumps.png")
     Image.fromarray(np.dstack([np.full_like(grain, 255), grain[..., 0]])).save(textures / "clouds.png")

@@ -1,4 +1,4 @@
-"""Films can be played and miss no picture."""
+"""Films can be played, and contain every picture."""
 
 import threading
 from pathlib import Path
@@ -14,7 +14,7 @@ SIZE = (64, 48)
 
 
 def pictures(count: int) -> list[bytes]:
-    """Grey pictures, each brighter than the one before."""
+    """Gray pictures, each brighter than the one before."""
     return [np.full((SIZE[1], SIZE[0], 3), 20 + 8 * i, np.uint8).tobytes() for i in range(count)]
 
 
@@ -26,8 +26,8 @@ def test_an_mp4_has_all_pictures_in_order(tmp_path: Path) -> None:
     with av.open(str(film.path)) as container:
         stream = container.streams.video[0]
         assert (stream.average_rate, stream.codec_context.pix_fmt) == (30, "yuv420p")
-        greys = [frame.to_ndarray(format="rgb24").mean() for frame in container.decode(stream)]
-    np.testing.assert_allclose(greys, [20 + 8 * i for i in range(20)], atol=3)
+        grays = [frame.to_ndarray(format="rgb24").mean() for frame in container.decode(stream)]
+    np.testing.assert_allclose(grays, [20 + 8 * i for i in range(20)], atol=3)
 
 
 def test_a_gif_has_all_pictures(tmp_path: Path) -> None:
@@ -44,7 +44,7 @@ def test_a_gif_has_all_pictures(tmp_path: Path) -> None:
     assert sum(durations) == 500  # ms, though none of them is 1000 / 30
 
 
-def test_a_film_that_finds_no_room_says_so_and_ends(tmp_path: Path) -> None:
+def test_a_full_disk_ends_a_film_with_an_error(tmp_path: Path) -> None:
     (tmp_path / "run.mp4").symlink_to("/dev/full")
     noise = np.random.default_rng(1).integers(0, 255, (200, SIZE[1], SIZE[0], 3), np.uint8)
     reel = Reel(str(tmp_path / "run.mp4"), 5)
@@ -57,7 +57,7 @@ def test_a_film_that_finds_no_room_says_so_and_ends(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "size", "rate"), [
     ("run.avi", SIZE, 30), ("run.mp4", (63, 48), 30), ("taken/run.mp4", SIZE, 30), ("run.gif", SIZE, 60)])  # fmt: skip
-def test_what_cannot_be_a_film_is_said_in_one_line(
+def test_an_impossible_film_is_an_error_in_one_line(
     tmp_path: Path, name: str, size: tuple[int, int], rate: int
 ) -> None:
     (tmp_path / "taken").write_text("a file")

@@ -45,7 +45,7 @@ FEATURES = {
     "beam": LAMP.replace("BEAM", ", beam: 0.9").replace("1.5, 0, 1]", "1.5, 0, 1, 0, 0.4, 0.4]")
     + "render: {ambient: [0.1, 0.1, 0.1]}\n" + THINGS,
     "normal_mapping": SUN + "render: {normal_mapping: {}}\n" + THINGS,
-    "packed_maps": SUN + "render: {normal_mapping: {}, specular: {}}\n" + THINGS.replace("l: crate", "l: grey_crate"),
+    "packed_maps": SUN + "render: {normal_mapping: {}, specular: {}}\n" + THINGS.replace("l: crate", "l: gray_crate"),
     "specular": SUN + "render: {specular: {}}\n" + THINGS,
     "antialiasing": SUN + "render: {antialiasing: {}}\n" + THINGS,
     "sky": SUN + "render: {sky: {}}\n" + THINGS,

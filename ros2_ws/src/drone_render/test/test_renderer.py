@@ -63,7 +63,7 @@ def test_two_draws_are_equal_bytes(make_scene: Make, graphics: moderngl.Context)
     assert (first != draw(scene, graphics, time=4.0)).any()  # clouds and waves have moved
 
 
-def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_programs_contain_only_the_features_of_the_scene(make_scene: Make, graphics: moderngl.Context) -> None:
     words = ["normal_map", "mirrored", "clouds", "colors", "wave_phase"]
     with Renderer(make_scene(EVERYTHING), graphics) as renderer:
         everything = "".join(source_in_use(text) for text in renderer.programs)
@@ -75,7 +75,7 @@ def test_programs_hold_what_the_scene_names_and_nothing_else(make_scene: Make, g
 
 
 def source_in_use(text: str) -> str:
-    """A shader without what its preprocessor leaves out: #ifdef, #if and #elif of one define, #else, #endif."""
+    """A shader after its preprocessor; handles #ifdef, #if and #elif of one define, #else and #endif."""
     defines: dict[str, int] = {}
     kept: list[str] = []
     stack: list[tuple[bool, bool]] = []  # is this branch on, was any before
@@ -102,7 +102,7 @@ def source_in_use(text: str) -> str:
     return "\n".join(kept)
 
 
-def test_fewer_triangles_are_hardly_seen(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_coarse_levels_are_barely_visible(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = make_scene("""
 objects: {ball: {model: ball, mass: 1, poses: [[3, 0.7, 0], [6, -1, 0], [12, 0, 1], [25, 3, -1]]}}
 lights: {sun: {pose: [-100, 200, 300]}}
@@ -154,7 +154,7 @@ def test_an_unknown_camera_is_an_error_that_lists_the_cameras(make_scene: Make, 
 
 
 def test_drawing_imports_no_ros() -> None:
-    """Nor drone_sim, whose wire format is the node's."""
+    """Nor drone_sim, whose wire format only the node uses."""
     program = """
 import sys
 from drone_engine import load

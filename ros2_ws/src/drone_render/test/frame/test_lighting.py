@@ -12,7 +12,7 @@ DARK = "render: {ambient: [0, 0, 0]}\n"
 
 
 def boxes(*middles: list[float]) -> np.ndarray:
-    """Matrices of boxes that are not turned."""
+    """Matrices of boxes without rotation."""
     matrices = np.tile(np.eye(4), (len(middles), 1, 1))
     matrices[:, :3, 3] = middles
     return matrices
@@ -37,12 +37,12 @@ def test_lights_over_a_wide_floor_count_by_their_distance(make_scene: Make) -> N
     lighting = Lighting(hierarchy)
     places = lighting.matrices(hierarchy.world(hierarchy.start))
     turned = boxes([0, 0, 0])
-    turned[0, :3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]  # its thin side is up
+    turned[0, :3, :3] = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]  # rotated: its thin side is up
     (chosen,) = lighting.strongest(places, np.zeros(1, np.intp), turned, np.array([[20, 0.1, 20]]))
     assert list(chosen) == [1, 2, 3, 4]
 
 
-def test_no_beam_is_spent_on_what_it_misses(make_scene: Make) -> None:
+def test_a_beam_that_misses_an_object_is_not_among_its_lights(make_scene: Make) -> None:
     scene = make_scene("""
 objects: {ball: {model: ball, mass: 1}}
 lights: {lamp: {pose: [0, 0, 3], beam: 0.5, reach: 20}, other: {pose: [0, 0, 3, 0, 1.5707963, 0], beam: 0.5, reach: 9}}
@@ -66,12 +66,12 @@ cameras: {front: {size: [90, 60], fov: 1.2}}
 """
     picture = draw(make_scene(DARK + scene), graphics).sum(axis=2)
     own, other = picture[:, :58], picture[:, 60:]
-    assert not own.any()  # nor by that of what it hangs on
+    assert not own.any()  # nor is it lit by the light of its parent
     assert other.max() > 300
 
 
 def test_a_far_beam_is_no_sun(make_scene: Make, graphics: moderngl.Context) -> None:
-    """It lights what it points at, and nothing else."""
+    """A distant beam lights only the objects that it points at."""
     scene = """
 objects: {ball: {model: ball, pose: [3, 0, 0], mass: 1}}
 lights: {lamp: {pose: [-300, 0, 0, 0, 0, YAW], beam: 0.05}}
@@ -81,7 +81,7 @@ cameras: {front: {size: [90, 60]}}
     assert towards.max() > 100 and not away.any()
 
 
-def test_only_what_is_far_away_is_the_sun(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_only_a_distant_light_is_the_sun(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = """
 render: {sky: {}}
 objects: {}
@@ -94,7 +94,7 @@ cameras: {front: {size: [90, 60], fov: 1.2, pose: [0, 0, 0, 0, -0.5, 0]}}
     assert far[30, 45].sum() > near[30, 45].sum() + 100  # only the one is seen as a disk
 
 
-def test_a_beam_lights_what_is_before_it(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_a_beam_lights_the_objects_in_front_of_it(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = """
 objects:
   screen: {model: lamp, pose: [3, 0, 0], mass: 1}

@@ -1,4 +1,4 @@
-"""Which moments are drawn: exact stamps, nothing twice, films without a gap."""
+"""The moments that are drawn: exact stamps, none twice, films without gaps."""
 
 import numpy as np
 import pytest
@@ -58,8 +58,8 @@ def test_pictures_are_spread_over_the_time_between_two_states() -> None:
     assert schedule.pop(2 / 30 + 1 / 60 + 1e-9) is not None
 
 
-def test_transforms_of_what_is_not_drawn_do_not_set_the_pace() -> None:
-    """The node hears its own turning cameras, too."""
+def test_transforms_of_other_frames_do_not_change_the_period() -> None:
+    """The node also receives the transforms of its own moving cameras."""
     schedule = Schedule(NAMES, START, 30, 60)
     for n in range(1, 61):
         schedule.push(round(n * SECOND / 30), ["drone"], poses(0), n / 30)
@@ -79,13 +79,13 @@ def test_live_pictures_that_are_late_are_dropped_and_counted() -> None:
     assert schedule.dropped + len(drawn) == 118
 
 
-def test_a_film_misses_none() -> None:
+def test_a_film_drops_no_picture() -> None:
     schedule, drawn = run(30, 60, 30, 60, slow=0.05)
     film = [due.moment.stamp for due in drawn if due.film]
     assert film == [round(k * SECOND / 30) for k in range(2, 61)]
     assert schedule.dropped > 0 and not all(due.live for due in drawn)
     live = [due.moment.stamp for due in drawn if due.live]
-    assert max(np.diff(live)) < 0.25 * SECOND  # whoever watches sees less, but something
+    assert max(np.diff(live)) < 0.25 * SECOND  # live pictures are rarer, but continue
 
 
 def test_after_time_went_back_drawing_goes_on_from_there() -> None:
@@ -103,7 +103,7 @@ def test_a_leap_ahead_is_not_drawn_through() -> None:
     assert schedule.pop(np.inf) is None and schedule.dropped == 0
 
 
-def test_names_of_other_scenes_are_left_out() -> None:
+def test_unknown_names_are_ignored() -> None:
     history = History(NAMES, START)
     assert history.push(5, ["chase"], poses(9)) is None
     assert history.latest.stamp == 0
@@ -111,7 +111,7 @@ def test_names_of_other_scenes_are_left_out() -> None:
     np.testing.assert_array_equal(history.latest.poses[:, 0], [0, 4])
 
 
-def test_poses_that_are_none_are_left_out() -> None:
+def test_invalid_poses_are_ignored() -> None:
     history = History(NAMES, START)
     broken = np.vstack([poses(np.nan), poses(7)])
     history.push(5, ["drone", "tree"], broken)
@@ -122,4 +122,4 @@ def test_poses_that_are_none_are_left_out() -> None:
 
 def test_stamps_are_whole_multiples_of_the_period() -> None:
     assert list(FrameTimes(60).between(0, SECOND // 20)) == [16666667, 33333333, 50000000]
-    assert list(FrameTimes(60).between(33333334, 50000000)) == [50000000]  # one that was rounded is not due again
+    assert list(FrameTimes(60).between(33333334, 50000000)) == [50000000]  # a rounded stamp is not due twice

@@ -1,4 +1,4 @@
-"""Poses, cameras and projections against what they mean."""
+"""Poses, cameras and projections against their geometric meaning."""
 
 import math
 
@@ -19,11 +19,11 @@ UNIT = np.eye(4)
 def test_a_pose_survives_its_matrix(numbers: tuple[float, float, float, float, float, float]) -> None:
     pose = poses.pose(numbers)
     again = poses.pose_from_matrix(poses.matrices(pose))
-    again[3:] *= np.sign(again[3:] @ pose[3:])  # q and -q are the same turn
+    again[3:] *= np.sign(again[3:] @ pose[3:])  # q and -q are the same rotation
     np.testing.assert_allclose(again, pose, atol=1e-9)
 
 
-def test_roll_pitch_and_yaw_turn_about_the_axes_of_rep_103() -> None:
+def test_roll_pitch_and_yaw_rotate_about_the_axes_of_rep_103() -> None:
     ahead = poses.matrices(poses.pose((0, 0, 0, 0, 0, math.pi / 2)))[:3, 0]
     np.testing.assert_allclose(ahead, [0, 1, 0], atol=1e-12)  # yaw: from forward to the left
     ahead = poses.matrices(poses.pose((0, 0, 0, 0, math.pi / 2, 0)))[:3, 0]
@@ -32,7 +32,7 @@ def test_roll_pitch_and_yaw_turn_about_the_axes_of_rep_103() -> None:
     np.testing.assert_allclose(left, [0, 0, 1], atol=1e-12)  # roll: left side up
 
 
-def test_half_way_is_half_the_distance_and_half_the_shorter_turn() -> None:
+def test_half_way_is_half_the_distance_and_half_the_shorter_rotation() -> None:
     before, after = poses.pose((0, 0, 0, 0, 0, 3.0)), poses.pose((2, 4, -2, 0, 0, -3.0))
     (middle,) = poses.interpolate(before[None], after[None], 0.5)
     np.testing.assert_allclose(middle[:3], [1, 2, -1])
@@ -78,14 +78,14 @@ def test_projection_and_camera_info_agree() -> None:
     camera = Camera(size=(320, 200), fov=1.0)
     point = np.array([5.0, 0.7, -0.4])  # ahead, left, up
     clip = view.projection(camera) @ view.view(UNIT) @ [*point, 1]
-    drawn = (clip[:2] / clip[3] + 1) / 2 * [320, 200] - 0.5  # pixel centres have whole numbers, row 0 is read first
+    drawn = (clip[:2] / clip[3] + 1) / 2 * [320, 200] - 0.5  # pixel centers have integer coordinates; row 0 is the top
     optical = np.linalg.inv(poses.matrices(view.OPTICAL)) @ [*point, 1]
     expected = view.intrinsics(camera) @ optical[:3]
     np.testing.assert_allclose(drawn, expected[:2] / expected[2], atol=1e-9)
     assert drawn[0] < 160 and drawn[1] > 100  # to the left and below the middle
 
 
-def test_what_is_in_sight_is_inside_the_frustum() -> None:
+def test_visible_points_are_inside_the_frustum() -> None:
     planes = view.frustum(view.projection(Camera(near=0.1, far=50)) @ view.view(UNIT))
     inside = planes @ [10, 0, 0, 1]
     assert (inside > 0).all()

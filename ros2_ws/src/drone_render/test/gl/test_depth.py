@@ -26,7 +26,7 @@ def measure(scene: Scene, graphics: moderngl.Context) -> tuple[np.ndarray, np.nd
         return renderer.measure("front")
 
 
-def test_points_of_the_depth_image_lie_on_what_is_there(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_points_of_the_depth_image_lie_on_the_objects(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = make_scene(SCENE)
     depth, labels = measure(scene, graphics)
     camera = scene.cameras["front"]
@@ -43,7 +43,7 @@ def test_points_of_the_depth_image_lie_on_what_is_there(make_scene: Make, graphi
     assert np.isinf(depth[labels == 0]).all() and (labels[0] == 0).all() and (labels[-1] == 3).all()
 
 
-def test_colours_are_the_same_after_measuring(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_colors_are_the_same_after_measuring(make_scene: Make, graphics: moderngl.Context) -> None:
     scene = make_scene(SCENE)
     with Renderer(scene, graphics) as renderer:
         before = renderer.draw("front")
@@ -60,15 +60,15 @@ def test_a_camera_can_be_added(make_scene: Make, graphics: moderngl.Context) -> 
         assert depth[24, 32] == pytest.approx(1.5, abs=0.01)
 
 
-def test_what_is_drawn_together_stays_where_and_what_it_is(make_scene: Make, graphics: moderngl.Context) -> None:
-    """Two models take turns by distance, so that none of them is drawn in one go with what is next to it."""
+def test_instances_keep_their_places_and_labels(make_scene: Make, graphics: moderngl.Context) -> None:
+    """Two models alternate by distance, so instances of one model are not neighbors in drawing order."""
     scene = make_scene("""
 render: {ambient: [1, 1, 1]}
 objects:
   near: {model: crate, pose: [3, 0.8, 0], mass: 1}
-  grey: {model: grey_crate, pose: [4, -0.8, 0], mass: 1}
+  gray: {model: gray_crate, pose: [4, -0.8, 0], mass: 1}
   far: {model: crate, pose: [6, 2.5, 0], mass: 1}
-  far_grey: {model: grey_crate, pose: [7, -2.5, 0], mass: 1}
+  far_gray: {model: gray_crate, pose: [7, -2.5, 0], mass: 1}
 cameras: {front: {size: [160, 120]}}
 """)
     depth, labels = measure(scene, graphics)

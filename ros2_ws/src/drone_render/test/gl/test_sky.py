@@ -1,4 +1,4 @@
-"""The sky's domes: where they hang, and what daylight makes of them."""
+"""The sky's domes: their center, and their colors by daylight."""
 
 import moderngl
 import numpy as np
@@ -30,19 +30,19 @@ def test_it_gets_dark_and_the_stars_come_out(make_scene: Make, graphics: moderng
     np.testing.assert_array_equal(by_day, day)
 
 
-def test_domes_go_where_their_parent_goes(make_scene: Make, graphics: moderngl.Context) -> None:
+def test_domes_move_with_their_parent(make_scene: Make, graphics: moderngl.Context) -> None:
     def far(more: str, place: str) -> np.ndarray:
         return draw(make_scene(sky(1.0, more, place)), graphics).astype(float)[:20]
 
     free = [far("radius: 300", place) for place in ("[-5, 0, 0]", "[-5, 60, 0]")]
-    np.testing.assert_array_equal(*free)  # they hang on the camera
+    np.testing.assert_array_equal(*free)  # centered on the camera
     hanging = [far("radius: 300, parent: drone", place) for place in ("[0, 0, 0]", "[-5, 60, 0]")]
     np.testing.assert_allclose(hanging[0], free[0], atol=1)  # the drone is where the camera is
     assert np.abs(hanging[1] - hanging[0]).mean() > 3
 
 
-def test_colours_come_from_a_texture(make_scene: Make, graphics: moderngl.Context) -> None:
-    """noise.png has another colour in every pixel of its 16 columns."""
+def test_colors_come_from_a_texture(make_scene: Make, graphics: moderngl.Context) -> None:
+    """noise.png has a different color in each pixel of its 16 columns."""
     text = sky().replace("clouds: clouds, ", "")
     left, right = (draw(make_scene(text.replace("stars: noise", "colours: noise").replace("daylight: 1.0", light)),
                         graphics).astype(float) for light in ("daylight: 0.9", "daylight: 1.0"))

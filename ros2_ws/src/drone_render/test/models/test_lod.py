@@ -47,7 +47,7 @@ def test_a_sphere_stays_round_and_closed_where_it_was() -> None:
     assert spans.max() < 0.75
 
 
-def test_what_is_kept_stays_and_what_is_flat_goes() -> None:
+def test_kept_vertices_stay_and_flat_parts_lose_vertices() -> None:
     plate = trimesh.creation.box((2, 2, 0)).subdivide().subdivide().subdivide().subdivide()
     position = np.column_stack([plate.vertices[:, :2], np.zeros(len(plate.vertices))])
     up = plate.face_normals[:, 2] > 0.5
@@ -63,15 +63,15 @@ def test_what_is_kept_stays_and_what_is_flat_goes() -> None:
     assert np.isclose(area.sum(), 4.0)
 
 
-def test_blocks_share_out_all_triangles() -> None:
+def test_every_triangle_is_in_one_block() -> None:
     mesh = trimesh.creation.icosphere(5)
     found = lod.blocks(mesh.vertices, mesh.faces)
     assert len(found) > 8 and max(map(len, found)) <= lod.BLOCK
     assert sorted(np.concatenate(found).tolist()) == list(range(len(mesh.faces)))
 
 
-def test_no_hole_opens_where_vertices_are_doubled() -> None:
-    """A ball whose triangles take this or that of two vertices at a place: seams run and end anywhere."""
+def test_no_hole_opens_at_duplicate_vertices() -> None:
+    """A sphere whose triangles use either of two vertices at a place at random, so that seams run anywhere."""
     mesh = trimesh.creation.icosphere(4)
     lots = np.random.default_rng(5)
     doubled = lots.random(len(mesh.vertices)) < 0.3

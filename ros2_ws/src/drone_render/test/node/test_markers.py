@@ -45,8 +45,8 @@ def test_a_marker_array_is_read_without_rclpy() -> None:
             read_markers(broken)
 
 
-def test_markers_go_with_what_they_hang_on() -> None:
-    """A box in a body's frame is where the body is in the picture; what hangs on nobody is left out."""
+def test_markers_move_with_their_frames() -> None:
+    """A box in a body's frame is drawn at the body's pose in the picture; shapes in an unknown frame are left out."""
     line = [Point(x=1.0), Point(y=1.0)]
     box, fixed, lost = (marker(frame, type=Marker.LINE_LIST, points=line) for frame in ("crate", "world", "nobody"))
     ball = marker("crate", type=Marker.SPHERE)
