@@ -1,4 +1,4 @@
-"""The scenes and models that come with the simulator: whole, plausible, and made by their scripts."""
+"""The scenes and models that come with the simulator: complete, plausible, and made by their scripts."""
 
 import itertools
 import subprocess
@@ -22,18 +22,18 @@ MODELS = sorted(path.stem for path in (ASSETS / "models").glob("*.obj"))
 CLEARANCE = 1.5  # m, between a patrol and everything that stands
 
 Array = npt.NDArray[np.float64]
-Box = tuple[Array, Array, Array]  # centre (3,), axes as columns (3, 3), half the size (3,)
+Box = tuple[Array, Array, Array]  # center (3,), axes as columns (3, 3), half the size (3,)
 
 
 def box_of(scene: Scene, name: str) -> Box:
     """The oriented box around an object that has no parent."""
     low, high = mesh.bounds(scene.model_path(name))
     x, y, z, roll, pitch, yaw = scene.objects[name].pose
-    axes = turn(yaw, 0, 1) @ turn(pitch, 2, 0) @ turn(roll, 1, 2)
+    axes = plane_rotation(yaw, 0, 1) @ plane_rotation(pitch, 2, 0) @ plane_rotation(roll, 1, 2)
     return np.array([x, y, z]) + axes @ (low + high) / 2, axes, (high - low) / 2
 
 
-def turn(angle: float, first: int, second: int) -> Array:
+def plane_rotation(angle: float, first: int, second: int) -> Array:
     """Rotation within the plane of two axes, from the first to the second."""
     matrix = np.eye(3)
     matrix[[first, first, second, second], [first, second, first, second]] = (
@@ -43,29 +43,29 @@ def turn(angle: float, first: int, second: int) -> Array:
 
 
 def overlap(a: Box, b: Box) -> bool:
-    """Whether two oriented boxes meet (separating axes)."""
-    (centre_a, axes_a, half_a), (centre_b, axes_b, half_b) = a, b
+    """Whether two oriented boxes overlap (separating axes)."""
+    (center_a, axes_a, half_a), (center_b, axes_b, half_b) = a, b
     crossed = [np.cross(p, q) for p in axes_a.T for q in axes_b.T]
     tests = np.array([*axes_a.T, *axes_b.T, *(axis for axis in crossed if axis @ axis > 1e-9)])
     reach = np.abs(tests @ axes_a) @ half_a + np.abs(tests @ axes_b) @ half_b
-    return bool((np.abs(tests @ (centre_b - centre_a)) < reach).all())
+    return bool((np.abs(tests @ (center_b - center_a)) < reach).all())
 
 
 def distance(box: Box, points: Array) -> Array:
-    """From points (n, 3) to a box, (n,)."""
-    centre, axes, half = box
-    return np.asarray(np.linalg.norm(np.maximum(np.abs((points - centre) @ axes) - half, 0), axis=1))
+    """Distances (n,) from points (n, 3) to a box."""
+    center, axes, half = box
+    return np.asarray(np.linalg.norm(np.maximum(np.abs((points - center) @ axes) - half, 0), axis=1))
 
 
 def solid(scene: Scene) -> dict[str, Box]:
-    """The boxes of everything that can be hit at its sides."""
+    """Boxes of all objects with collision except floors and terrain, by name."""
     names = [name for name, thing in scene.objects.items()
              if thing.parent is None and scene.level(name) not in ("none", *GROUND_LEVELS)]
     return {name: box_of(scene, name) for name in names}
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_scene_is_whole(name: str) -> None:
+def test_scene_is_complete(name: str) -> None:
     scene = load(ASSETS / "scenes" / f"{name}.yaml")
     assert scene.cameras
     assert scene.lights
@@ -76,9 +76,9 @@ def test_scene_is_whole(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_overlaps_at_the_start(name: str) -> None:
     boxes = solid(load(ASSETS / "scenes" / f"{name}.yaml"))
-    names, centres = list(boxes), np.array([centre for centre, _, _ in boxes.values()])
+    names, centers = list(boxes), np.array([center for center, _, _ in boxes.values()])
     reach = np.array([np.linalg.norm(half) for _, _, half in boxes.values()])
-    apart = np.linalg.norm(centres[:, None] - centres, axis=2)
+    apart = np.linalg.norm(centers[:, None] - centers, axis=2)
     near = [(names[i], names[k]) for i, k in np.argwhere(np.triu(apart < reach[:, None] + reach, 1))]
     assert [pair for pair in near if overlap(boxes[pair[0]], boxes[pair[1]])] == []
 
@@ -88,13 +88,13 @@ def test_nothing_sinks_into_the_floor(name: str) -> None:
     scene = load(ASSETS / "scenes" / f"{name}.yaml")
     land = of_model(model.build(scene))
     floor = max((thing.pose[2] for name, thing in scene.objects.items() if scene.level(name) == "floor"), default=None)
-    for key, (centre, axes, half) in solid(scene).items():
-        under = floor if land is None else face_below(land, *centre[:2])[1]
+    for key, (center, axes, half) in solid(scene).items():
+        under = floor if land is None else face_below(land, *center[:2])[1]
         if not scene.objects[key].static:
-            assert centre[2] - np.abs(axes[2]) @ half > under - 1e-3, key
+            assert center[2] - np.abs(axes[2]) @ half > under - 1e-3, key
 
 
-def test_what_grows_on_the_island_stands_on_it() -> None:
+def test_plants_and_rocks_stand_on_the_island() -> None:
     scene = load("island")
     land = of_model(model.build(scene))
     assert land is not None
@@ -118,7 +118,7 @@ def test_patrols_are_clear(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "height"), [("ring", 1.2), ("archway", 1.2), ("table", 0.6)])
 def test_the_drone_fits_through(name: str, height: float) -> None:
-    """Along x, straight ahead, with a hand's breadth to spare on each side."""
+    """Straight ahead along x, with 0.1 m to spare on each side."""
     drone = mesh.load((ASSETS / "models/drone.obj").resolve())
     reach = np.maximum(-drone.low, drone.high)[1:] + 0.1
     for part in mesh.load((ASSETS / "models" / f"{name}.obj").resolve()).parts:
@@ -148,13 +148,13 @@ def test_textures_exist(library: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in MODELS if name != "water"])
-def test_what_is_solid_has_colours_and_bumps(name: str) -> None:
-    """Two maps of one size, so that they can be packed into one."""
+def test_solid_objects_have_color_and_normal_maps(name: str) -> None:
+    """Both maps have one size, so that they can be packed into one."""
     for part in mesh.load((ASSETS / "models" / f"{name}.obj").resolve()).parts:
-        colours, bumps = part.material.color_map, part.material.normal_map
-        assert colours is not None, part.material.name
+        colors, bumps = part.material.color_map, part.material.normal_map
+        assert colors is not None, part.material.name
         assert bumps is not None, part.material.name
-        with Image.open(colours) as first, Image.open(bumps) as second:
+        with Image.open(colors) as first, Image.open(bumps) as second:
             assert first.size == second.size
             assert max(first.size) <= 1024
 

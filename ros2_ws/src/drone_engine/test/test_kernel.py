@@ -36,7 +36,7 @@ def printed(program: str, without_compiler: bool) -> str:
 
 
 @pytest.mark.parametrize(("program", "choice"), [
-    (WORLD, "obb"), (FLEET, "midpoint"), (FLEET, "semi_implicit_euler")])
+    (WORLD, "obb"), (WORLD, "triangle"), (FLEET, "midpoint"), (FLEET, "semi_implicit_euler")])
 def test_a_small_scene_without_the_compiler_equals_the_compiled_one_bit_for_bit(program: str, choice: str) -> None:
     text = program.replace("LEVEL", choice)
     assert printed(text, without_compiler=True) == printed(text, without_compiler=False)

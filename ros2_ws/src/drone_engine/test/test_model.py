@@ -1,4 +1,4 @@
-"""A scene as arrays: what can move, and what cannot."""
+"""A scene as arrays: sizes, masses and moments of inertia."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +24,7 @@ def test_mass_and_box_make_the_inertia(scene: Callable[..., Scene]) -> None:
 
 
 @pytest.mark.parametrize("thickness", ["0", "1e-200", "1e200"])
-def test_what_moves_needs_a_volume(scene: Callable[..., Scene], thickness: str) -> None:
+def test_a_moving_body_needs_a_volume(scene: Callable[..., Scene], thickness: str) -> None:
     flat = card(scene, f"card_{thickness.replace('-', '_')}", thickness, "mass: 1")
     with pytest.raises(SceneError) as error:
         model.build(flat)
@@ -33,12 +33,12 @@ def test_what_moves_needs_a_volume(scene: Callable[..., Scene], thickness: str) 
     assert "\n" not in str(error.value)
 
 
-def test_what_stands_may_be_flat(scene: Callable[..., Scene]) -> None:
+def test_a_static_body_may_be_flat(scene: Callable[..., Scene]) -> None:
     assert model.build(card(scene, "flat_card", "0", "static: true")).bodies.half[1, 2] == 0.0
 
 
-def test_a_solid_resists_turning_as_the_closed_form_says(tmp_path: Path) -> None:
-    corner = tmp_path / "corner.obj"  # a tetrahedron: by the second moments 1/10 and the centre 1/4, 2 (1/10 - 1/16)
+def test_moments_of_inertia_of_solids_match_closed_forms(tmp_path: Path) -> None:
+    corner = tmp_path / "corner.obj"  # a tetrahedron: by the second moments 1/10 and the center 1/4, 2 (1/10 - 1/16)
     corner.write_text("v 3 0 0\nv 4 0 0\nv 3 1 0\nv 3 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     np.testing.assert_allclose(moments(corner), 0.075)
     prism = tmp_path / "prism.obj"  # six sides, radius 1, height 2: 5 / 24 R^2 in its plane

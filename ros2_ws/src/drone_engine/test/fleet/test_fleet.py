@@ -1,4 +1,4 @@
-"""Copies of a scene fly as if each were alone, whichever way they are reckoned."""
+"""Copies of a scene fly as if each were alone, in blocks or as Worlds."""
 
 from collections.abc import Callable
 
@@ -26,7 +26,7 @@ def settings(rate: int, substeps: int, integrator: str, effects: str = ALL) -> s
 
 
 def scatter(fleet: Fleet, fastest: float = 3.0) -> np.ndarray:
-    """Starts that differ, some upside down; returns commands that differ, too."""
+    """Gives all copies different states, some upside down; returns different commands."""
     random = np.random.default_rng(7)
     fleet.state.position_w[:] = random.normal(size=(fleet.copies, 3))
     fleet.state.velocity_w[:] = random.normal(size=(fleet.copies, 3))
@@ -37,7 +37,7 @@ def scatter(fleet: Fleet, fastest: float = 3.0) -> np.ndarray:
 
 
 def check(fleet: Fleet, k: int, world: World) -> None:
-    """Every number of copy k is that of the world, bit for bit."""
+    """Asserts that the state of copy k equals that of the world, bit for bit."""
     alone = fleet.world(k)
     for name, array in world.state.arrays().items():
         if name not in ("rotor_rate", "awake", "still"):  # follow from the others
@@ -65,7 +65,7 @@ def test_every_copy_is_a_world_bit_for_bit(scene: Load, objects: str, text: str)
 
 
 @pytest.mark.parametrize("integrator", ["midpoint", "semi_implicit_euler"])
-def test_so_it_is_in_a_wild_spin(scene: Load, integrator: str) -> None:
+def test_every_copy_is_a_world_when_it_rotates_fast(scene: Load, integrator: str) -> None:
     fleet = Fleet(scene(DRONE, settings(30, 1, integrator)), 17)
     commands = scatter(fleet, 100.0)
     worlds = [fleet.world(k) for k in range(fleet.copies)]
@@ -77,7 +77,7 @@ def test_so_it_is_in_a_wild_spin(scene: Load, integrator: str) -> None:
     assert np.isfinite(fleet.state.angular_velocity_w).all()
 
 
-def test_what_can_be_touched_is_many_worlds(scene: Load) -> None:
+def test_a_scene_with_contacts_runs_as_worlds(scene: Load) -> None:
     tiny = scene(DRONE + FLOOR)
     fleet = Fleet(tiny, 3)
     assert not fleet.in_blocks
@@ -93,7 +93,7 @@ def test_what_can_be_touched_is_many_worlds(scene: Load) -> None:
     assert fleet.state.position_w[0, 2] < 0.1 < fleet.state.position_w[2, 2]
 
 
-def test_what_is_written_wakes_a_copy(scene: Load) -> None:
+def test_writing_the_state_wakes_a_copy(scene: Load) -> None:
     fleet = Fleet(scene("floor: {model: floor, static: true, collision: {level: floor}}\n"
                         "drone: {model: drone, mass: 1.4, pose: [0, 0, 0.1], flight: {}}", "effects: {gravity: {}}"), 1)
     fleet.run(90, (0.0, 0.0, -1.0, 0.0))
@@ -109,7 +109,7 @@ def test_what_is_written_wakes_a_copy(scene: Load) -> None:
     (DRONE.replace("model: quadrotor", "model: direct"), "effects: {gravity: {}}", "flight model"),
     (DRONE + "\nother: {model: drone, mass: 1, pose: [5, 0, 1], flight: {cmd_vel: a}}", "effects: {gravity: {}}",
      "more than one")])
-def test_it_says_why_it_is_slow(scene: Load, objects: str, text: str, why: str) -> None:
+def test_the_reason_for_worlds_is_given(scene: Load, objects: str, text: str, why: str) -> None:
     assert why in Fleet(scene(objects, text), 2).why_not
 
 
@@ -119,7 +119,7 @@ def test_seeds_are_the_copies_own(scene: Load) -> None:
     assert [world.scene.seed for world in Fleet(tiny, 2, seeds=[9, 9]).worlds] == [9, 9]
 
 
-def test_chance_is_the_copies_own(scene: Load) -> None:
+def test_random_numbers_are_the_copies_own(scene: Load) -> None:
     windy = scene(DRONE, "effects: {gravity: {}, drag: {}, wind: {mean: [3, 0, 0]}, gusts: {}}")
     fleet = Fleet(windy, 3, seeds=[4, 5, 4])
     assert "'wind'" in fleet.why_not
@@ -149,7 +149,7 @@ def test_commands_may_differ_and_end(scene: Load) -> None:
 
 
 @pytest.mark.parametrize("bad", [(1.0, 2.0), (0.0, 0.0, 0.0, float("nan")), np.zeros((3, 4))])
-def test_commands_that_cannot_be_are_refused(scene: Load, bad: object) -> None:
+def test_invalid_commands_are_refused(scene: Load, bad: object) -> None:
     fleet = Fleet(scene(DRONE), 2)
     before = fleet.state.command_b.copy()
     with pytest.raises(ValueError, match="expected four finite numbers, or 2 times four"):
@@ -158,7 +158,7 @@ def test_commands_that_cannot_be_are_refused(scene: Load, bad: object) -> None:
     assert fleet.time == 0.0
 
 
-def test_fleets_that_cannot_be_are_refused(scene: Load) -> None:
+def test_invalid_fleets_are_refused(scene: Load) -> None:
     with pytest.raises(ValueError, match="copies: expected at least 1, got 0"):
         Fleet(scene(DRONE), 0)
     with pytest.raises(ValueError, match="seeds: expected 2 integers of at least 0"):

@@ -66,7 +66,7 @@ def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, 
     ra, rb = axes_rotation(axes, a), axes_rotation(axes, b)
     found, last = 0, -1
     for k in range(near_count):
-        i, j = near[k, 0], near[k, 1]
+        i, j = np.int64(near[k, 0]), np.int64(near[k, 1])  # for the 64 bits of a feature
         if i != last:
             features.place(corners[i], normals[i], ra, position[a, 0], position[a, 1], position[a, 2], placed[0])
             last = i
