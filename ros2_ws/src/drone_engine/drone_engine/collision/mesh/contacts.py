@@ -64,7 +64,7 @@ def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, 
     corners, normals, owned = meshes.tree.corners, meshes.normals, meshes.owned
     normal, point, separation, feature = out.normal, out.point, out.separation, out.feature
     ra, rb = axes_rotation(axes, a), axes_rotation(axes, b)
-    found, last = 0, -1
+    found, last = 0, np.int64(-1)
     for k in range(near_count):
         i, j = np.int64(near[k, 0]), np.int64(near[k, 1])  # for the 64 bits of a feature
         if i != last:
@@ -142,7 +142,7 @@ def leaf_contacts(position, axes, a, b, near_count, meshes, margin, work, manifo
                     point[found, 0, c] = box_point[at, i, c] - 0.5 * gap * box_normal[at, c]
                     point[found, 1, c] = box_point[at, i, c] + 0.5 * gap * box_normal[at, c]
                 separation[found] = gap
-                feature[found] = (near[k, 0] << 36) ^ (near[k, 1] << 12) ^ box_feature[at, i]
+                feature[found] = (np.int64(near[k, 0]) << 36) ^ (np.int64(near[k, 1]) << 12) ^ box_feature[at, i]
             found += 1
     return found
 
