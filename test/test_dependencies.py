@@ -20,6 +20,8 @@ def imported(package: Path) -> set[str]:
     """Top-level modules that a package imports, other than itself and the standard library."""
     names: set[str] = set()
     for path in (package / package.name).rglob("*.py"):
+        if "__pycache__" in path.parts:
+            continue
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Import):
                 names |= {alias.name.split(".")[0] for alias in node.names}

@@ -66,8 +66,8 @@ def test_requirements_are_pinned_and_have_a_reason() -> None:
                 assert re.fullmatch(r"[\w.-]+==[\w.]+ +# .+", line), f"{path.name}: {line}"
 
 
-def test_no_file_is_longer_than_350_lines() -> None:
+def test_no_file_is_longer_than_400_lines() -> None:
     """Longer files usually have several subjects."""
     long = [f"{path.relative_to(ROOT)}: {count} lines" for path in tracked("*.py")
-            if (count := len(path.read_text().splitlines())) > 350]
+            if (count := len(path.read_text().splitlines())) > 400]
     assert not long

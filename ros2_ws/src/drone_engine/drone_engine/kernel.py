@@ -14,16 +14,24 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compiles a function of numbers, tuples and arrays at its first call, without fast-math: runs repeat bit for bit.
+    """Compiles a function of numbers, tuples and arrays when it is first called. No fast-math: runs repeat bitwise.
 
-    With NUMBA_DISABLE_JIT=1 it stays a Python function, so that a debugger can step through it.
+    It must not allocate arrays or lists: it writes to buffers that it receives. It then needs no reference counts,
+    which would take a third of the time of a short step. With NUMBA_DISABLE_JIT=1 the function stays a Python
+    function, so that a debugger can step through it.
     """
-    return _cached(numba.njit(error_model="numpy")(function), function)  # type: ignore[no-any-return]
+    return _cached(numba.njit(error_model="numpy", _nrt=False)(function), function)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:
-    """A kernel that is inlined into its callers, so that their loops over it can be vectorized."""
-    return _cached(numba.njit(error_model="numpy", forceinline=True)(function), function)  # type: ignore[no-any-return]
+    """As `kernel`, compiled into each of its callers, so that their loops can be vectorized."""
+    compiled = numba.njit(error_model="numpy", forceinline=True, _nrt=False)(function)
+    return _cached(compiled, function)  # type: ignore[no-any-return]
+
+
+def allocating(function: F) -> F:
+    """As `kernel`, for a function that allocates scratch arrays: queries from Python, and rare exact arithmetic."""
+    return _cached(numba.njit(error_model="numpy")(function), function)  # type: ignore[no-any-return]
 
 
 def c_function(signature: str) -> Callable[[F], Any]:

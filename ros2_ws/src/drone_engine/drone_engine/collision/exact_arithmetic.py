@@ -11,7 +11,7 @@ from itertools import permutations
 
 import numpy as np
 
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 BITS = 27  # of a digit; sums of four products of digits stay far below 63 bits
 MASK = (1 << BITS) - 1
@@ -26,7 +26,7 @@ MINORS = np.array([(*(three[part] for part in order), sign * parity)
 DIGITS = (4 * 1024 - LOWEST) // BITS + 8  # up to the product of four largest numbers, with room for carries
 
 
-@kernel
+@allocating
 def zeros():
     """An accumulator that holds 0: (DIGITS + 2,) int64, its digits, then the lowest and the highest digit in use."""
     acc = np.zeros(DIGITS + 2, np.int64)
@@ -98,7 +98,7 @@ def add_determinant(acc, sign, scale, ux, uy, uz, vx, vy, vz, wx, wy, wz):
         add_product(acc, sign * ORDERS[i, 3], scale, u[ORDERS[i, 0]], v[ORDERS[i, 1]], w[ORDERS[i, 2]])
 
 
-@kernel
+@allocating
 def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     """The sign of det[b - a, c - a, d - a]: 1 if a, b, c are counter-clockwise as seen from d, 0 if coplanar."""
     acc = zeros()
@@ -108,7 +108,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     return sign(acc)
 
 
-@kernel
+@allocating
 def orient2d(ax, ay, bx, by, cx, cy):
     """The sign of det[b - a, c - a]: 1 if a, b, c are counter-clockwise, 0 if they are on one line."""
     acc = zeros()

@@ -1,7 +1,6 @@
 """The collision pipeline of a step, as stages: broad phase, then the contacts of each pair at its collision level."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from drone_engine.collision.manifold import (
 from drone_engine.collision.margin import MARGIN, contact_margins
 from drone_engine.collision.mesh import narrow
 from drone_engine.collision.mesh.octree import Octree
+from drone_engine.collision.pair_arrays import BodyBounds, Counts, PairArrays
 from drone_engine.collision.placement import PlacedBodies, set_all_axes, set_axes
 from drone_engine.collision.policy import CollisionPolicy, PolicyTables, look_up
 from drone_engine.collision.terrain import height_field
@@ -42,38 +42,6 @@ STATIC_GRID = ("grid_tables.levels", "grid_tables.static_top", "grid_tables.stat
 CONTACTS = tuple(f"contacts.{name}" for name in (  # that a stage in Python appends
     "end", "pair", "level", "points", "normal", "point", "anchor", "separation", "feature"))
 Pairs = tuple[Integers, Integers, Floats, Integers, Integers, Floats]  # a < b, plane height, level, all?, margin
-
-
-class BodyBounds(NamedTuple):
-    """Bounds of n bodies, m, world."""
-
-    axes: Floats  # (n, 3, 3) axes of the boxes, one a row
-    low: Floats  # (n, 3) AABB, with margin and motion of the step
-    high: Floats  # (n, 3)
-    half: Floats  # (n, 3) half extents; inf for planes
-    bounding_radius: Floats  # (n,) of the box
-    reach: Floats  # (n,) least half size of the AABB: the bounding radius if any pair meets at level sphere, else 0
-    plane_height: Floats  # (n,) of planes, else NaN
-    planes: Integers  # (p,) bodies that are planes or terrain
-
-
-class PairArrays(NamedTuple):
-    """The pairs that the broad phase found, with room for k."""
-
-    floor_height: Floats  # (k,) m, where one of the two is a plane, else NaN
-    level: Integers  # (k,) collision level
-    all_contacts: Integers  # (k,) 1: all contacts; 0: the deepest point alone
-    margin: Floats  # (k,) m, speculative margin: points closer than this are contacts
-    swept: Booleans  # (k,) continuous collision detection
-
-
-class Counts(NamedTuple):
-    """Numbers that the stages of a step pass on, each (1,)."""
-
-    pairs: Integers  # of the broad phase
-    swept: Integers  # pairs with continuous collision detection, if any body needs it
-    fine: Integers  # pairs at level octree or triangle
-    needed: Integers  # room that was missing, where the broad phase returns a code other than 0
 
 
 @kernel

@@ -62,5 +62,6 @@ def test_a_stage_that_writes_an_array_by_a_row_is_found_out() -> None:
     writes = {row.stage: set(row.writes) for row in step.rows(world.program, world)}
     assert {"wanted", "hold", "landed"} == writes["pilot"]
     assert {"pairs.level", "pairs.all_contacts"} <= writes["broad phase"]  # through a tuple of arrays
-    assert {"states.position", "states.orientation", "states.velocity", "contacts.total"} <= writes["motion"]
+    moved = {f"states.{name}" for name in ("position", "orientation", "velocity", "angular_velocity")}
+    assert {*moved, "contacts.total"} <= writes["motion"]
     assert {"contacts.impulse", "contacts.friction_impulse"} == writes["warm start"]

@@ -326,9 +326,10 @@ def test_both_models_fly_in_one_scene_and_only_the_quadrotors_rotors_are_its_own
      "objects.drone.flight.quadrotor.max_rate: Input should be greater than 0"),
     ("{model: quadrotor, quadrotor: {thrust: 1}}",
      "objects.drone.flight.quadrotor.thrust: unknown key; allowed are arms"),
-    ("{model: helicopter}", "objects.drone.flight.model: Input should be 'direct' or 'quadrotor', got 'helicopter'"),
+    ("{model: helicopter}",
+     "objects.drone.flight.model: 'helicopter': unknown flight model; there are direct, quadrotor"),
     ("{model: quadrotor, quadrotor: {arms: [[1, 0, 1], [2, 0, 1], [3, 0, -1], [4, 0, -1]]}}",
-     "objects.drone.flight: its four rotors cannot turn it about every axis"),
+     "objects.drone.flight: its four rotors cannot rotate it about every axis"),
     ("{model: quadrotor, quadrotor: {arms: [[3, 1, 1], [1, -1, 1], [1, 1, -1], [3, -1, -1]]}}",
      "objects.drone.flight: its centre of mass is not between its four rotors")])
 def test_what_cannot_fly_is_one_line(world: Make, flight: str, error: str) -> None:

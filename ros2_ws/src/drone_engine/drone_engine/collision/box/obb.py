@@ -30,7 +30,7 @@ from drone_engine.collision.box.sat import (
 )
 from drone_engine.collision.exact_arithmetic import zeros
 from drone_engine.collision.manifold import POINTS
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 ROUNDING = 1e-12  # of the size of a touching pair: how far apart rounding may make it look
 
@@ -84,7 +84,7 @@ def _write_undecided(first, count, center_a, axes_a, half_a, center_b, axes_b, h
     return -1
 
 
-@kernel
+@allocating
 def _intersects(center_a, axes_a, half_a, center_b, axes_b, half_b, hit):
     """Writes whether the boxes of each pair touch to hit (n,), uint8; returns the first pair with a number that no box
     has, or -1. The boxes are flat arrays."""
@@ -148,7 +148,7 @@ def contacts(center_a: ArrayLike, axes_a: ArrayLike, half_a: ArrayLike, center_b
     return BoxContacts(number[:found], first[: found + 1], normal[:found], point[:m], separation[:m], feature[:m])
 
 
-@kernel
+@allocating
 def _contacts(center_a, axes_a, half_a, center_b, axes_b, half_b, number, first_point, normal, point, separation,
               feature):
     """Writes the contacts of n pairs as in `BoxContacts`, where there is room for n pairs of POINTS points.

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from drone_engine.arrays import Booleans, Floats
 from drone_engine.collision.exact_arithmetic import add_product, sign, zeros
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 ROUNDING = 2.0**-49  # 16 roundings, twice those of the squares compared
 SMALL, LARGE = 1e-280, 1e300  # m2; beyond these, rounding errors are not relative any more
@@ -80,7 +80,7 @@ def _is_valid(x, y, z, radius):
     return math.isfinite(x) & math.isfinite(y) & math.isfinite(z) & (radius >= 0.0) & (radius < np.inf)
 
 
-@kernel
+@allocating
 def _intersects(center_a, radius_a, center_b, radius_b, hit):
     """Writes whether the spheres of each pair touch to hit (n,); returns the first invalid pair, or -1."""
     acc = zeros()

@@ -180,8 +180,8 @@ def sweep_pairs(pair_a, pair_b, position, orientation, velocity, angular_velocit
         relative_motion(position, orientation, velocity, angular_velocity, a, b, motion)
         for side in range(2):
             body = a if side == 0 else b
-            boxes[side] = 0.0
-            boxes[side, 3:] = half[body]
+            for c in range(3):
+                boxes[side, c], boxes[side, 3 + c] = 0.0, half[body, c]
             if root[body] >= 0:
                 _copy_box(box, root[body], boxes[side])
         radius_a, radius_b = _radius(boxes[0]), _radius(boxes[1])

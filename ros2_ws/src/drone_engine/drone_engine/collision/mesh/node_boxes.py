@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from drone_engine.collision.triangle.geometry import triangle_normal
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.math.scalar import max2
 
 LANES = 8  # children of a node, and lanes of a vector
@@ -25,7 +25,7 @@ MAX_AXES_ERROR = 1e-6  # of the products of unit axes: a node with a larger one 
 SAMPLES = 24  # triangles of a node from which its axes are chosen
 
 
-@kernel
+@allocating
 def fit_boxes(box, link, corners, node_box):
     """Writes the row of each node to node_box (k, ROWS), float32.
 
@@ -44,7 +44,7 @@ def fit_boxes(box, link, corners, node_box):
             node_box[node, 15 + k] = box[node, k]
 
 
-@kernel
+@allocating
 def group_children(link, node_box, child_group, child_boxes):
     """Writes the rows of each inner node's children side by side to child_boxes (g, ROWS, LANES), and the index of the
     node's group to child_group (k,), -1 for a leaf."""

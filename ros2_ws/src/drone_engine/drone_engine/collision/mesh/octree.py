@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.mesh.node_boxes import LANES, ROWS, fit_boxes, group_children
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 LEAF_SIZE = 4  # triangles; a node with more is split
 MAX_DEPTH = 40  # edges from the root to the deepest leaf; traversals size their stacks by it
@@ -139,7 +139,7 @@ def _write_bounds(corners, order, first, count, box, node):
         box[node, axis], box[node, 3 + axis] = center, _half_extent(low, high, center)
 
 
-@kernel
+@allocating
 def _split_point(centroid, order, first, count):
     """The point (x, y, z) at which to split triangles order[first : first + count]: the center of their centroids'
     bounding box along its long axes, infinity along the others."""
@@ -162,7 +162,7 @@ def _octant(centroid, i, split_point):
             + 4 * (centroid[i, 2] > split_point[2]))
 
 
-@kernel
+@allocating
 def _split(corners, centroid, order, spare, box, link):
     """Writes all nodes to box (k, 6) and link (k, 4), parents before children and siblings side by side, and sorts
     order (m,) by leaves; returns the number of nodes.

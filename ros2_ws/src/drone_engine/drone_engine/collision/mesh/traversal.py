@@ -41,7 +41,7 @@ from drone_engine.collision.mesh.triangle_filter import (
 from drone_engine.collision.triangle.contact import contact
 from drone_engine.collision.triangle.geometry import triangle_normal
 from drone_engine.collision.triangle.intersection import triangles_intersect
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 # Queries: whether any leaf boxes overlap (level octree), whether any triangles intersect (level triangle), all pairs of
 # triangles that intersect, all pairs of triangles within a margin, all pairs of leaves within a margin.
@@ -160,7 +160,7 @@ def _first_invalid_pose(poses):
     return -1
 
 
-@kernel
+@allocating
 def _intersects_all(box_a, link_a, corners_a, face_a, node_box_a, child_boxes_a, child_group_a,
                     box_b, link_b, corners_b, face_b, node_box_b, child_boxes_b, child_group_b,
                     stack, transforms, box, corners, leaves, axis, half, total, probe,

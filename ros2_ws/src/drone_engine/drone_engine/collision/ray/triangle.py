@@ -8,7 +8,7 @@ Source: Woop, Benthin and Wald 2013 (Watertight Ray/Triangle Intersection), here
 import math
 
 from drone_engine.collision.exact_arithmetic import add_determinant, orient3d, sign, zeros
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 EPS = 2.0**-52
 TINY = 1e-290  # more than an underflow can amount to
@@ -79,7 +79,7 @@ def shear(dx, dy, dz):
     return kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]
 
 
-@kernel
+@allocating
 def _side(corners, i, j, k, o, d, dz, value, bound):
     """The edge function of corners j and k of triangle i with the right sign: `value` if it has it, else +-TINY or 0.
 

@@ -21,7 +21,7 @@ Points are rows of p (6, 3), m: the corners of a (0 1 2), then those of b (3 4 5
 import numpy as np
 
 from drone_engine.collision.exact_arithmetic import orient2d, orient3d
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 
 # Error bound of the determinants: ERROR_FACTOR * T^3 + UNDERFLOW_ERROR. Each determinant whose sign is taken, here and
 # in `intersection.triangles_intersect`, is a sum of at most 24 products of three differences of coordinates, and each
@@ -35,7 +35,7 @@ ERROR_FACTOR, UNDERFLOW_ERROR = 2.0**-49, 1e-290
 ALL_ON_ONE_SIDE, COPLANAR = -1, -2  # instead of the index of a lone corner
 
 
-@kernel
+@allocating
 def triangles_intersect_exact(a, b):
     """Whether two closed triangles share a point, exactly; each is a tuple of nine finite numbers, m."""
     p = np.empty((6, 3))
@@ -143,7 +143,7 @@ def _has_skew_edges(p, bound):
     return False
 
 
-@kernel
+@allocating
 def _projections_intersect(p, axis):
     """Whether the triangles, projected along an axis, share a point: two edges cross, or a corner is inside."""
     x, y = (axis + 1) % 3, (axis + 2) % 3
