@@ -30,7 +30,8 @@ def inlined(function: F) -> F:
 
 
 def allocating(function: F) -> F:
-    """As `kernel`, for a function that allocates scratch arrays: queries from Python, and rare exact arithmetic."""
+    """As `kernel`, for a function that allocates scratch arrays, and for its callers: queries from Python, and exact
+    arithmetic where rounding errors leave the answer open."""
     return _cached(numba.njit(error_model="numpy")(function), function)  # type: ignore[no-any-return]
 
 

@@ -37,7 +37,8 @@ def reduce_contacts(count, found, max_manifolds, max_points, free, spread, out, 
         seed = deepest(count, separation, free)
         if seed < 0:
             break
-        out.normal[first + made] = normal[seed]
+        for c in range(3):
+            out.normal[first + made, c] = normal[seed, c]
         for i in range(count):
             if free[i]:
                 similar = (normal[i, 0] * normal[seed, 0] + normal[i, 1] * normal[seed, 1]

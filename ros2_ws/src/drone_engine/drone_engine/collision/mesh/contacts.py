@@ -81,7 +81,9 @@ def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, 
                 position, axes, a, b, near, near_count, corners, placed, point[c], feature[c],
                 MIN_CLEARANCE * -separation[c]):
             continue
-        normal[kept], point[kept] = normal[c], point[c]
+        for k in range(3):
+            normal[kept, k] = normal[c, k]
+            point[kept, 0, k], point[kept, 1, k] = point[c, 0, k], point[c, 1, k]
         separation[kept], feature[kept] = separation[c], feature[c]
         kept += 1
     return kept
@@ -118,7 +120,9 @@ def leaf_contacts(position, axes, a, b, near_count, meshes, margin, work, manifo
     box_normal, box_point = manifolds.normal, manifolds.point
     box_separation, box_feature = manifolds.separation, manifolds.feature
     found = 0
-    boxes.axes[0], boxes.axes[1] = axes[a], axes[b]
+    for row in range(3):
+        for c in range(3):
+            boxes.axes[0, row, c], boxes.axes[1, row, c] = axes[a, row, c], axes[b, row, c]
     for k in range(near_count):
         for side in range(2):
             body, leaf = (a, near[k, 0]) if side == 0 else (b, near[k, 1])

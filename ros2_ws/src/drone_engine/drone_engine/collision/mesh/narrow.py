@@ -24,7 +24,7 @@ from drone_engine.collision.mesh.traversal import ANY_TRIANGLES, NEAR_LEAVES, NE
 from drone_engine.collision.placement import PlacedBodies
 from drone_engine.collision_level import TRIANGLE
 from drone_engine.geometry import mesh
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.model import Model
 
 NO_CORNERS = MeshCorners(octree.EMPTY.link, octree.EMPTY.corners, *np.empty((2, 0), np.int64))  # without meshes
@@ -39,7 +39,7 @@ def _any_overlap(separation, count):
     return count > separation.shape[0]
 
 
-@kernel
+@allocating
 def _pair_contacts(poses, position, axes, a, b, fine, margin, inside, meshes, work, manifolds, at):
     """Writes all contacts of bodies a and b to work.found, of their triangles or (fine: False) of their leaves; returns
     the number of near pairs of these and the number of contacts. manifolds, at: as for `leaf_contacts`."""
@@ -52,7 +52,7 @@ def _pair_contacts(poses, position, axes, a, b, fine, margin, inside, meshes, wo
     return near, leaf_contacts(position, axes, a, b, near, meshes, margin, work, manifolds, at)
 
 
-@kernel
+@allocating
 def find_mesh_contacts(poses, position, axes, pair_a, pair_b, floor_height, level, all_contacts, margins, meshes, work,
                        manifolds, found):
     """Appends the manifolds of the pairs after the first `found` of `manifolds` (ContactArrays).

@@ -178,7 +178,7 @@ def _intersects_all(box_a, link_a, corners_a, face_a, node_box_a, child_boxes_a,
         out[k] = traverse(a, roots_a[k], poses_a[k], b, roots_b[k], poses_b[k], query, 0.0, work, none, 0) > 0
 
 
-@kernel
+@allocating
 def _find_all(box_a, link_a, corners_a, face_a, node_box_a, child_boxes_a, child_group_a,
               box_b, link_b, corners_b, face_b, node_box_b, child_boxes_b, child_group_b,
               stack, transforms, box, corners, leaves, axis, half, total, probe,
@@ -211,7 +211,7 @@ def _contacts_all(corners_a, poses_a, corners_b, poses_b, offsets, pairs, result
                 transform_triangle(corners_b, pairs[n, 1], rotation_b, pose_b[0], pose_b[1], pose_b[2]))
 
 
-@kernel
+@allocating
 def traverse(a, root_a, pose_a, b, root_b, pose_b, query, margin, work, pairs, found):
     """Answers one query: writes the pairs found after the first `found` of pairs (k, 2) and returns the new number.
 
@@ -302,7 +302,7 @@ def _overlapping(child_boxes, g, q, size, aligned):
     return overlapping_children(child_boxes, g, q, size)
 
 
-@kernel
+@allocating
 def _leaf_triangles(box_a, link_a, corners_a, node_a, pose_a, box_b, link_b, corners_b, node_b, pose_b, query, margin,
                     error, transforms, triangle_b, pairs, found):
     """Answers a query about triangles for two leaves; results as those of `traverse`.

@@ -16,7 +16,7 @@ from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.mesh.octree import EMPTY, Octree
 from drone_engine.collision.ray.triangle import edge_function_error, ray_triangle, shear
 from drone_engine.collision_level import OBB, SPHERE, TRIANGLE
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.math.rotation import matrix
 
 EPS = 2.0**-52
@@ -59,7 +59,7 @@ def ray_box(ox, oy, oz, ix, iy, iz, hx, hy, hz):
     return near if near <= far * (1.0 + 4.0 * EPS) else math.inf
 
 
-@kernel
+@allocating
 def ray_octree(box, link, corners, root, ox, oy, oz, dx, dy, dz, pad, bound, level, best, stack, entry):
     """The nearest triangle (level TRIANGLE, else leaf) that a ray hits closer than `best`: (distance, index).
 
@@ -154,7 +154,7 @@ def normalized(x, y, z):
     return x / norm, y / norm, z / norm
 
 
-@kernel
+@allocating
 def cast_rays(origin, direction, limit, table, level, root, box, link, corners, stack, entry, hits):
     """Writes the nearest hit closer than `limit`, m, of each ray with any of the bodies to `hits`, as in Hits, with the
     index of `ray_octree` as face. Rows of rays that hit nothing are left unchanged.

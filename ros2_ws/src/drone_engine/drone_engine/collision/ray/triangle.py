@@ -25,7 +25,7 @@ def edge_function_error(reach):
     return 48.0 * EPS * reach * reach + TINY
 
 
-@kernel
+@allocating
 def ray_triangle(corners, i, ox, oy, oz, dx, dy, dz, kx, ky, kz, sx, sy, sz, bound):
     """Distance from o along d, in units of d, to triangle i of corners (m, 3, 3); inf for a miss.
 

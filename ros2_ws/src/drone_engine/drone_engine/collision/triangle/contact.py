@@ -12,7 +12,7 @@ from drone_engine.arrays import Floats, Integers
 from drone_engine.collision.triangle.closest import closest_points
 from drone_engine.collision.triangle.geometry import triangle_at
 from drone_engine.collision.triangle.intersection import checked_pairs, intersects, triangles_intersect
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.math.scalar import max2, max3, min2, min3
 
 MIN_AREA_SIN2 = 1e-28  # squared sine between two edges below which a triangle counts as without area
@@ -165,7 +165,7 @@ def _crossing_points(a, h0, h1, h2, x, y, z):
     return q, qx, qy, qz, p, px, py, pz
 
 
-@kernel
+@allocating
 def distance(a, b):
     """The distance of two triangles and their closest points: (distance, x, y, z of a's point, x, y, z of b's), m.
 
@@ -185,7 +185,7 @@ def _contact_all(a, b, number, result):
         result[i] = contact(triangle_at(a, number[i]), triangle_at(b, number[i]))
 
 
-@kernel
+@allocating
 def _distance_all(a, b, result):
     """Writes the distances and closest points of triangles a and b, (n, 3, 3), to result (n, 7)."""
     for i in range(len(a)):

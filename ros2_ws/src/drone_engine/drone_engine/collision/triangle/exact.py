@@ -76,7 +76,7 @@ def _error_bound(p):
     return ERROR_FACTOR * (t * t * t) + UNDERFLOW_ERROR
 
 
-@kernel
+@allocating
 def _orient3d_sign(p, i, j, k, h, bound):
     """The exact sign (-1, 0, 1) of orient3d of points i, j, k, h of p; bound: the error of the rounded determinant."""
     ax, ay, az, bx, by, bz = p[i, 0], p[i, 1], p[i, 2], p[j, 0], p[j, 1], p[j, 2]
@@ -122,7 +122,7 @@ def _other_corners(k, forward):
     return (after, before) if forward else (before, after)
 
 
-@kernel
+@allocating
 def _line_hits_triangle(p, k, h, first, bound):
     """Whether the line through points k and h, which crosses the plane of triangle first, first + 1, first + 2, hits
     that triangle."""
@@ -133,7 +133,7 @@ def _line_hits_triangle(p, k, h, first, bound):
     return low >= 0 or high <= 0
 
 
-@kernel
+@allocating
 def _has_skew_edges(p, bound):
     """Whether some edge of a and some edge of b are not in one plane."""
     for k in range(3):
@@ -166,7 +166,7 @@ def _projections_intersect(p, axis):
     return side[0, 0] == side[1, 0] == side[2, 0] != 0 or side[3, 0] == side[4, 0] == side[5, 0] != 0
 
 
-@kernel
+@allocating
 def _orient2d_sign(ax, ay, bx, by, cx, cy):
     """The exact sign (-1, 0, 1) of orient2d of points a, b, c."""
     ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay

@@ -10,11 +10,11 @@ import numpy as np
 from drone_engine.arrays import Booleans, Floats
 from drone_engine.collision.triangle.exact import ERROR_FACTOR, UNDERFLOW_ERROR, triangles_intersect_exact
 from drone_engine.collision.triangle.geometry import triangle_at
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.math.scalar import max2, max3, min2, min3
 
 
-@kernel
+@allocating
 def triangles_intersect(a, b):
     """Whether two triangles share a point, exactly; each is a tuple of nine finite numbers, m.
 
@@ -84,7 +84,7 @@ def _edge_margin(s, t, x, y, z):
     return min2(apart, alike)
 
 
-@kernel
+@allocating
 def _intersects_all(a, b, out):
     """Writes whether triangle a[i] and triangle b[i], (n, 3, 3), intersect to out (n,)."""
     for i in range(a.shape[0]):
