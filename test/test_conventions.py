@@ -11,7 +11,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).parents[1]
 ENGINE = "ros2_ws/src/drone_engine/drone_engine/"
 MAX_PARAMETERS = 15  # of a kernel
-KERNEL = re.compile(r"(kernel|inlined|allocating|c_function|numba\.(njit|jit|cfunc|vectorize))\b")  # decorators that compile
+# Decorators that compile.
+KERNEL = re.compile(r"(kernel|inlined|allocating|c_function|numba\.(njit|jit|cfunc|vectorize))\b")
 
 # Words that the documentation, docstrings and comments do not use: old ones, and those that make persons of programs.
 WORDING = re.compile(r"\b(anew|reckon(ed|s|ing)?|seldom|shall|whoever|somebody|nobody|anybody|(is|are|was|were) told"
