@@ -111,13 +111,15 @@ def primitive_contacts(counts, position, body_bounds, grid_tables, pairs, box_sc
 
 @kernel
 def any_fine(counts):
-    """The number of pairs at level octree or triangle."""
+    """Asks Python to append the manifolds of meshes, if there are pairs at level octree or triangle: returns their
+    number. counts: Counts."""
     return counts.fine[0]
 
 
 @kernel
 def any_swept(counts):
-    """The number of pairs with continuous collision detection."""
+    """Asks Python to treat the pairs with continuous collision detection, if there are any: returns their number.
+    counts: Counts."""
     return counts.swept[0]
 
 

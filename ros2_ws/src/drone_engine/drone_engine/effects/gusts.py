@@ -77,10 +77,11 @@ def shape(a, b):
 
 @kernel
 def stir(awake, position, velocity, mean, stream, step, wind, ground, dt, memory, gust):
-    """Advances the filters of each awake body, memory (n, 5): u, a and b of v, a and b of w; writes gust (n, 3), m/s.
+    """Draws random numbers for each awake body, filters them, and writes its gust (n, 3), m/s.
 
-    u is along the mean wind, w up. mean: (n, 3) m/s, or (0, 3) for none; stream: (n,) random streams; step: (1,); wind:
-    m/s at 20 ft; ground: m, height that heights are measured from; dt: s.
+    memory: (n, 5) states of the filters, in and out: u, a and b of v, a and b of w. u is along the mean wind, w up.
+    mean: (n, 3) m/s, or (0, 3) for none; stream: (n,) random streams; step: (1,); wind: m/s at 20 ft; ground: m,
+    height that heights are measured from; dt: s.
     """
     for k in range(1, 1 + awake[0]):
         i = awake[k]

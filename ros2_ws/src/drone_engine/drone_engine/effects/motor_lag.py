@@ -37,7 +37,7 @@ def stopped(told, rate):
 
 @kernel
 def begin(told, speed, time_in_step, keep_up, keep_down, start, began):
-    """At the beginning of a sub-step: keeps the rates there in `start`, and writes the rates at its end to `speed`.
+    """Keeps the rates at the beginning of a sub-step in `start`, and writes those at its end to `speed`.
 
     told: commanded rates; all (k, 4) rad/s. keep_up, keep_down: what is left of a difference after a sub-step; began:
     (1,) s, written: when the sub-step began, as time_in_step (1,).

@@ -44,8 +44,10 @@ def set_commands(table, command, limit):
 
     Returns False, and changes nothing, if a number is not finite.
     """
-    if not np.isfinite(command).all():
-        return False
+    for k in range(command.shape[0]):
+        for c in range(command.shape[1]):
+            if not np.isfinite(command[k, c]):
+                return False
     for k in range(table.shape[1]):
         for c in range(4):
             table[COMMAND + c, k] = min(max(command[k % command.shape[0], c], -limit), limit)
