@@ -7,7 +7,7 @@ import numpy as np
 from drone_engine.arrays import Floats
 from drone_engine.collision.mesh.octree import MAX_DEPTH, Octree
 from drone_engine.collision.triangle.closest import closest_points
-from drone_engine.kernel import kernel
+from drone_engine.kernel import allocating, kernel
 from drone_engine.math.rotation import matrix
 
 STACK = 64 * MAX_DEPTH
@@ -41,7 +41,7 @@ def _lower_bound(box, i, r, shift, other, j):
     return math.sqrt(dx * dx + dy * dy + dz * dz) - reach
 
 
-@kernel
+@allocating
 def _search(box_a, link_a, corners_a, box_b, link_b, corners_b, r, shift):
     """Distance of two surfaces that do not intersect.
 
