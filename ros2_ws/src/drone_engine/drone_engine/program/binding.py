@@ -10,6 +10,7 @@ import inspect
 import os
 import sys
 from collections.abc import Iterator
+from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from typing import Any
 
@@ -49,7 +50,13 @@ def is_record(value: Any) -> bool:
 
 def parameters(stage: Stage) -> tuple[str, ...]:
     """The names of the kernel's parameters, in order."""
-    return tuple(inspect.signature(getattr(stage.kernel, "py_func", stage.kernel)).parameters)
+    return _parameters(stage.kernel)
+
+
+@cache
+def _parameters(kernel: Any) -> tuple[str, ...]:
+    """Kept, since a signature takes longer to inspect than everything else in a binding."""
+    return tuple(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
 
 
 def arguments(stage: Stage) -> tuple[Any, ...]:
@@ -67,9 +74,9 @@ def arguments(stage: Stage) -> tuple[Any, ...]:
         if name not in stage.given and name not in stage.scope:
             raise BindingError(f"{where}: parameter '{name}' is neither given nor shared")
         value = stage.given[name] if name in stage.given else stage.scope[name]
-        for part, array in leaves(value, name):
-            if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
-                raise BindingError(f"{where}: '{part}' has to be contiguous, got an array of shape {array.shape}")
+        if not _contiguous(value):
+            part, array = next(leaf for leaf in leaves(value, name) if not _contiguous(leaf[1]))
+            raise BindingError(f"{where}: '{part}' has to be contiguous, got an array of shape {array.shape}")
         values.append(value)
     return tuple(values)
 
@@ -83,18 +90,32 @@ def leaves(value: Any, name: str) -> Iterator[tuple[str, Any]]:
         yield name, value
 
 
+def _contiguous(value: Any) -> bool:
+    """Whether all arrays of a value are contiguous."""
+    if isinstance(value, np.ndarray):
+        return bool(value.flags.c_contiguous)
+    return all(map(_contiguous, value)) if isinstance(value, tuple) else True
+
+
 def row(values: tuple[Any, ...]) -> np.ndarray:
     """What the C function takes: per array its address and shape, per number its bits, int64."""
     words: list[int] = []
-    for value in values:
-        for _, leaf in leaves(value, ""):
-            if isinstance(leaf, np.ndarray):
-                words += [leaf.ctypes.data, *leaf.shape]
-            elif isinstance(leaf, float):
-                words.append(int(np.float64(leaf).view(np.int64)))
-            else:
-                words.append(int(leaf))
+    _append_words(values, words)
     return np.array(words or [0], np.int64)
+
+
+def _append_words(values: tuple[Any, ...], words: list[int]) -> None:
+    """Appends what stands for values, and for the parts of records, to words."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            words.append(value.ctypes.data)
+            words.extend(value.shape)
+        elif isinstance(value, tuple):
+            _append_words(value, words)
+        elif isinstance(value, float):
+            words.append(int(np.float64(value).view(np.int64)))
+        else:
+            words.append(int(value))
 
 
 TEMPLATE = '''"""{name}: its arguments from a row of addresses."""
