@@ -18,12 +18,12 @@ from drone_engine import effects, flight, model
 from drone_engine.arrays import Floats
 from drone_engine.behavior import Behaviors
 from drone_engine.collision.events import (
+    NO_PAIRS,
     ContactEvents,
     ContactPoints,
     Event,
     EventDetector,
     Phase,
-    TouchingPairs,
     all_touches,
     concatenated,
     contact_points,
@@ -66,7 +66,6 @@ def tick(step):
     step[0] += 1
 
 
-NOTHING = TouchingPairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
 LIMIT = 1e6  # of commands: beyond any speed, and squares stay finite
 Command = tuple[float, float, float, float]  # forward, left, up in m/s; yaw rate in rad/s
 
@@ -99,7 +98,7 @@ class World:
         self.forces = Forces.none(m, bool(moves_air))
         context = Context(m, s, self.forces, self.dt, dynamics.substeps, self.scene.seed, active)
         self.detection = Detection(context)
-        self._events = EventDetector(self.detection.manifolds, lambda: self.sleep.touching if self.sleep else NOTHING)
+        self._events = EventDetector(self.detection.manifolds, lambda: self.sleep.touching if self.sleep else NO_PAIRS)
 
         self.effects = {name: effects.effect(name, self.scene).build(p, context) for name, p in active.items()}
         flying = len(m.drones.body) > 0
@@ -255,7 +254,7 @@ class World:
         """Number of manifolds per collision level, speculative and sleeping ones included; meshes may have several per
         pair."""
         found = self.detection.manifolds
-        asleep = self.sleep.touching if self.sleep else NOTHING
+        asleep = self.sleep.touching if self.sleep else NO_PAIRS
         level = np.concatenate([found.level[: found.count], asleep.level])
         return dict(zip(TESTED, np.bincount(level, minlength=4).tolist(), strict=True))
 

@@ -45,6 +45,9 @@ class TouchingPairs(NamedTuple):
     touch: Floats  # (k, 5) deepest point in m, depth in m, impulse of the step in N s
 
 
+NO_PAIRS = TouchingPairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+
+
 class ContactPoints(NamedTuple):
     """k points at which bodies touch, of m manifolds."""
 

@@ -102,13 +102,13 @@ def prepare(groups, solver, contacts, inverse_mass, friction, restitution, fast,
 def _copy(groups, solver, contacts, inverse_mass, friction, restitution, fast, inverse_inertia):
     """Fills the rows up to BASE_SEPARATION, SOFT, and the impulses for the warm start. The friction impulse is left as
     a vector in the rows from TANGENT_IMPULSE_1 on until the tangents are known."""
-    nobody = solver.motion.shape[0] - 1
+    dummy = solver.motion.shape[0] - 1
     for g in range(groups):
         t = solver.table[g]
         for k in range(LANES):
             number = solver.constraint[g, k]
             if number < 0:
-                solver.body[g, 0, k] = solver.body[g, 1, k] = nobody
+                solver.body[g, 0, k] = solver.body[g, 1, k] = dummy
                 for row in range(FIELDS):
                     t[row * LANES + k] = 0.0
                 t[SOFT + k] = 1.0

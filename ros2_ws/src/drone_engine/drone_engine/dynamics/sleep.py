@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
-from drone_engine.collision.events import ContactPoints, TouchingPairs, all_touches, contact_points, touching_pairs
+from drone_engine.collision.events import (
+    NO_PAIRS,
+    ContactPoints,
+    TouchingPairs,
+    all_touches,
+    contact_points,
+    touching_pairs,
+)
 from drone_engine.collision.manifold import PARTS, SWEPT
 from drone_engine.collision.pipeline import Detection
 from drone_engine.context import Context
@@ -136,7 +143,7 @@ class Sleep:
     def touching(self) -> TouchingPairs:
         """Pairs of which both are asleep or do not move, and that touch."""
         if not len(self._part):
-            return touching_pairs(np.empty((0, 2), np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 5)))
+            return NO_PAIRS
         return touching_pairs(*(self._kept[name] for name in ("pair", "level", "normal_w", "touch")))
 
     @property
