@@ -114,16 +114,17 @@ class Program:
 
     def run(self, steps: int) -> None:
         """Runs all stages this many times."""
-        self._run(steps, len(self.stages))
+        self._run(steps, self._function, self._row)
 
     def run_through(self, first: Stage, last: Stage) -> None:
         """Runs the stages from `first` to `last`, both included, once."""
-        self._run(1, self._place[last] + 1, self._place[first])
+        end = self._place[last] + 1
+        self._run(1, self._function[:end], self._row[:end], self._place[first])
 
-    def _run(self, steps: int, end: int, first: int = 0) -> None:
-        """Runs stages [first, end), then [0, end) until all steps are done; handles what stops the loop."""
+    def _run(self, steps: int, function: Integers, row: Integers, first: int = 0) -> None:
+        """Runs the stages of function and row from number `first` on, then all of them until all steps are done;
+        handles what stops the loop."""
         run = self._run_in_python if numba.config.DISABLE_JIT else run_steps
-        function, row = self._function[:end], self._row[:end]
         while steps:
             done, at, code = run(function, row, first, steps)
             steps -= done
@@ -131,7 +132,7 @@ class Program:
             if code:
                 stage = self.stages[at].handle(code)
                 first = at + 1 if stage is None else self._place[stage]
-                if first == end:
+                if first == len(function):
                     steps, first = steps - 1, 0
 
     def _run_in_python(self, function: Integers, row: Integers, first: int, steps: int) -> tuple[int, int, int]:
