@@ -8,6 +8,7 @@ from drone_engine.arrays import Floats
 from drone_engine.collision import OBB, SPHERE, Shape
 from drone_engine.collision.box import obb, sphere
 from drone_engine.collision.manifold import Manifolds
+from drone_engine.collision.mesh.contacts import Velocities
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.mesh.shape import axes_at
 from drone_engine.collision.placement import PlacedBodies
@@ -32,7 +33,8 @@ def deepest_contacts(a: Shape, poses_a: Floats, b: Shape, poses_b: Floats, level
     placed = PlacedBodies(np.tile(np.arange(2), n), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses),
                     np.zeros((2 * n, 3)))
     one = np.ones(n, np.int64)
-    m = _meshes(a, b).find(Manifolds(8), placed, 2 * np.arange(n), 2 * np.arange(n) + 1, np.full(n, np.nan),
+    at_rest = Velocities(np.zeros((2 * n, 3)), np.zeros((2 * n, 3)), 0.0)
+    m = _meshes(a, b).find(Manifolds(8), placed, at_rest, 2 * np.arange(n), 2 * np.arange(n) + 1, np.full(n, np.nan),
                            level * one, one, np.zeros(n))
     # The first point of a pair's first manifold is its deepest.
     row, first = np.unique(m.pair[:m.count, 0] // 2, return_index=True)

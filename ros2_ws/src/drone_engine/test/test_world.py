@@ -53,7 +53,7 @@ def test_stages_are_what_the_scene_calls_for(world: Make) -> None:
 
     crates, awake = "crate: {model: crate, mass: 1, poses: [[0, 0, 0], [2, 0, 0]]}", "dynamics: {sleep: false}\n"
     assert stages("crate: {model: crate, mass: 1}", "effects: {}") == ["motion", "motion: clear forces", "clock"]
-    found = ["keep", "broad phase", "contacts", "impacts", "warm start"]
+    found = ["keep", "broad phase", "sweep", "contacts", "impacts", "warm start"]
     assert stages(crates, awake + "effects: {}") == [*found, "motion", "motion: clear forces", "catch", "clock"]
     assert stages(crates, "effects: {drag: {}, gravity: {}}") == [
         *found, "waking", "motion", "motion: clear forces", "motion: gravity", "motion: drag", "catch", "sleep",

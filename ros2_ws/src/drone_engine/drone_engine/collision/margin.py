@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from drone_engine.arrays import Floats, Integers
 from drone_engine.kernel import kernel
 
 MARGIN = 0.01  # m; pairs this close are in contact already, so that resting contacts do not come and go
@@ -33,3 +34,16 @@ def contact_margins(count, pair_a, pair_b, floor_height, velocity, angular_veloc
             if not np.isnan(floor_height[k]):
                 margin[k] += dt * (np.sqrt(angular_a) * bounding_radius[a] + np.sqrt(angular_b) * bounding_radius[b])
     return swept_count
+
+
+def largest_approach(velocity: Floats, angular_velocity: Floats, bounding_radius: Floats, a: Integers, b: Integers,
+                     dt: float) -> Floats:
+    """How far pairs of bodies a and b (k,) may approach anywhere within dt s, (k,) m: what swings round reaches at most
+    the far side of the smaller body.
+
+    velocity, angular_velocity: (n, 3) m/s and rad/s, world; bounding_radius: (n,) m.
+    """
+    linear = np.linalg.norm(velocity[b] - velocity[a], axis=1)
+    swing = np.linalg.norm(angular_velocity, axis=1) * bounding_radius
+    approach: Floats = dt * (linear + swing[a] + swing[b])
+    return np.minimum(approach, 2.0 * np.minimum(bounding_radius[a], bounding_radius[b]))

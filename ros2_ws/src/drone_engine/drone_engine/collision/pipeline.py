@@ -22,8 +22,9 @@ from drone_engine.collision.manifold import (
     warm_start,
     write_anchors,
 )
-from drone_engine.collision.margin import MARGIN, contact_margins
+from drone_engine.collision.margin import MARGIN, contact_margins, largest_approach
 from drone_engine.collision.mesh import narrow
+from drone_engine.collision.mesh.contacts import Velocities
 from drone_engine.collision.mesh.octree import Octree
 from drone_engine.collision.pair_arrays import BodyBounds, Counts, PairArrays
 from drone_engine.collision.placement import PlacedBodies, set_all_axes, set_axes
@@ -173,6 +174,7 @@ class Detection:
         self.keep = Stage("keep", keep, scope)
         self.broad_phase = Stage("broad phase", broad_phase, own, handle=self._handle_broad_phase,
                                  writes=("binned", "sleeping", *STATIC_GRID))
+        self._sweep_pairs = Stage("sweep", any_swept, own, handle=self._sweep, writes=("pairs.margin",))
         self.primitives = Stage("contacts", primitive_contacts, own, handle=self._more_manifolds)
         self._terrain_contacts = Stage("ground contacts", terrain_contacts, own.child(self, "terrain"),
                                        handle=self._more_room)
@@ -190,7 +192,8 @@ class Detection:
         """The stages before the motion, in order; a scene without meshes or terrain has none for them."""
         terrain = (self._terrain_contacts,) if self._terrain else ()
         meshes = (self._mesh_contacts,) if self.levels.uses_meshes else ()
-        return (self.keep, self.broad_phase, self.primitives, *terrain, *meshes, self._impact_contacts, self.warm_start)
+        return (self.keep, self.broad_phase, self._sweep_pairs, self.primitives, *terrain, *meshes,
+                self._impact_contacts, self.warm_start)
 
     @property
     def body_bounds(self) -> BodyBounds:
@@ -268,9 +271,11 @@ class Detection:
         """Compiles what a step may need besides the stages, so that no step has to wait for it."""
         nothing = np.empty(0, np.int64)
         pairs = nothing, nothing, np.empty(0), nothing, nothing, np.empty(0)
+        self._meeting = self._impacts.find_impacts(self._state, nothing, nothing, nothing, self._meshes)
         self._append_primitives(self._now, pairs)
         if self._meshes:
-            self._meshes.find(self.manifolds, self._now, *pairs)
+            velocities = Velocities(self._state.velocity_w, self._state.angular_velocity_w, self._dt)
+            self._meshes.find(self.manifolds, self._now, velocities, *pairs)
         self._find_ahead(pairs)
         self._impacts.compile(self._state, self.ccd, self._meshes)
         self._bin_resting()
@@ -310,27 +315,43 @@ class Detection:
         if m.capacity != capacity:
             self.bind()
 
+    def _swept(self) -> Pairs:
+        """The pairs with continuous collision detection."""
+        return _only(self._swept_rows(), self._pairs())
+
+    def _swept_rows(self) -> Integers:
+        """The numbers of these pairs."""
+        k = self.counts.pairs[0]
+        return np.flatnonzero(self.pairs.swept[:k] & (self.pairs.level[:k] >= SPHERE))
+
+    def _sweep(self, code: int) -> None:
+        """Finds when the pairs with continuous collision detection touch within the step. Those that touch at its
+        start may go on to touch elsewhere: their margins cover all of their motion."""
+        s, pairs = self._state, self._swept()
+        self._impacts.save_poses(s)
+        self._meeting = self._impacts.find_impacts(s, pairs[0], pairs[1], pairs[3], self._meshes)
+        a, b, touching = pairs[0], pairs[1], self._meeting.touching
+        self.pairs.margin[self._swept_rows()[touching]] += largest_approach(
+            s.velocity_w, s.angular_velocity_w, self._bounding_radius, a[touching], b[touching], self._dt)
+
     def _find_swept(self, code: int) -> None:
-        """Appends the contacts that bodies with continuous collision detection will have within the step."""
-        capacity, pairs = self.manifolds.capacity, self._pairs()
-        self._impacts.save_poses(self._state)
-        self._find_ahead(_only(self.pairs.swept[: len(pairs[0])] & (pairs[3] >= SPHERE), pairs))
+        """Appends the contacts of bodies with continuous collision detection that will touch within the step."""
+        capacity = self.manifolds.capacity
+        self._find_ahead(self._swept())
         if self.manifolds.capacity != capacity:
             self.bind()
 
     def _catch(self, code: int) -> None:
         """Moves bodies that tunneled through something back, whatever the solver did with their contacts."""
-        pairs = self._pairs()
-        chosen = self.pairs.swept[: len(pairs[0])] & (pairs[3] >= SPHERE)
-        a, b, _, level, *_ = _only(chosen, pairs)
+        a, b, _, level, *_ = self._swept()
         self._impacts.stop_at_impacts(self._state, a, b, level, self.ccd, self._meshes)
 
     def _find_ahead(self, pairs: Pairs) -> None:
         """Appends the contacts of pairs at the poses in which they will first touch within the step."""
-        placed, meeting = self._impacts.bodies_at_impact(self._state, pairs[0], pairs[1], pairs[3], self._meshes)
+        placed, meeting = self._impacts.bodies_at_impact(self._state, pairs[0], pairs[1], self._meeting)
         a, b, height, level, everything, margin = _only(meeting, pairs)
-        # Anything within a bounding sphere may swing round.
-        margin = margin + 2.0 * np.minimum(self._bounding_radius[a], self._bounding_radius[b])
+        s = self._state
+        margin = margin + largest_approach(s.velocity_w, s.angular_velocity_w, self._bounding_radius, a, b, self._dt)
         k = 2 * np.arange(len(meeting))
         there = k, k + 1, height, level, everything, margin
         first = self.manifolds.count
@@ -353,7 +374,11 @@ class Detection:
         if self._meshes:
             fine = _only(pairs[3] >= OCTREE, pairs)
             if len(fine[0]):  # most steps have none
-                self._meshes.find(self.manifolds, placed, *fine)
+                s = self._state
+                now = placed is self._now
+                linear, angular = ((s.velocity_w, s.angular_velocity_w) if now else
+                                   (s.velocity_w[placed.body], s.angular_velocity_w[placed.body]))
+                self._meshes.find(self.manifolds, placed, Velocities(linear, angular, self._dt, not now), *fine)
 
     @property
     def forest(self) -> tuple[Octree, Integers] | None:

@@ -17,6 +17,7 @@ from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import obb, sphere
 from drone_engine.collision.manifold import POINTS, Manifolds
 from drone_engine.collision.mesh import traversal
+from drone_engine.collision.mesh.contacts import Velocities
 from drone_engine.collision.mesh.narrow import Meshes
 from drone_engine.collision.mesh.shape import Shape, axes_at
 from drone_engine.collision.placement import PlacedBodies
@@ -90,8 +91,9 @@ def manifolds(a: Shape, pose_a: ArrayLike, b: Shape, pose_b: ArrayLike, level: i
     poses = np.concatenate(_poses(pose_a, pose_b))
     bodies = PlacedBodies(np.arange(2), poses[:, :3].copy(), poses[:, 3:].copy(), axes_at(poses), np.zeros((2, 3)))
     one = np.ones(1, np.int64)
-    m = Meshes([a, b], np.arange(2)).find(Manifolds(8), bodies, 0 * one, one, np.full(1, np.nan), level * one, one,
-                                          np.full(1, margin))
+    at_rest = Velocities(np.zeros((2, 3)), np.zeros((2, 3)), 0.0)
+    m = Meshes([a, b], np.arange(2)).find(Manifolds(8), bodies, at_rest, 0 * one, one, np.full(1, np.nan), level * one,
+                                          one, np.full(1, margin))
     nowhere = np.full((POINTS, 2), -1)
     return [Contacts(m.point_w[i, :k], np.tile(m.normal_w[i], (k, 1)), -m.separation[i, :k], nowhere[:k])
             for i, k in enumerate(m.points[: m.count])]

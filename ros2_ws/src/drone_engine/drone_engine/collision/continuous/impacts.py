@@ -4,6 +4,8 @@ Contacts of fast bodies are found ahead of time: at the poses at which they will
 motion, a body that got through something nevertheless is moved back to its time of impact.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drone_engine.arrays import Booleans, Floats, Integers
@@ -79,6 +81,14 @@ def rotation_vector(q, p):
     return factor * x, factor * y, factor * z
 
 
+class Meetings(NamedTuple):
+    """When pairs of bodies touch within a step, by their indices."""
+
+    touching: Integers  # (t,) that touch at the start
+    ahead: Integers  # (m,) that will touch later
+    time: Floats  # (m,) s, when these do
+
+
 class Impacts:
     """CCD of fast bodies, with its buffers."""
 
@@ -95,23 +105,29 @@ class Impacts:
         for orientation in state.orientation_w[:1]:
             rotation_vector(orientation, orientation)
 
-    def bodies_at_impact(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
-                         meshes: Meshes | None) -> tuple[PlacedBodies, Integers]:
-        """The bodies of pairs that will touch within the step, at the poses at which they will, and these pairs.
-
-        pair_a, pair_b, level: (k,). Returns the bodies (rows 0 and 1 are the first pair, 2 and 3 the second, and so on)
-        and the indices (m,) of their pairs.
-        """
+    def find_impacts(self, state: State, pair_a: Integers, pair_b: Integers, level: Integers,
+                     meshes: Meshes | None) -> "Meetings":
+        """Which of the pairs (k,) touch at the start of the step, and which will within it, and when."""
         time, outcome = self._times_of_impact(pair_a, pair_b, level, state.position_w, state.orientation_w,
                                               state.velocity_w, state.angular_velocity_w, self._half, meshes)
-        touching = np.flatnonzero((outcome != NO_IMPACT) & (time > 0.0))
-        body = np.stack([pair_a[touching], pair_b[touching]], axis=1).ravel()
+        hit = outcome != NO_IMPACT
+        ahead = np.flatnonzero(hit & (time > 0.0))
+        return Meetings(np.flatnonzero(hit & (time <= 0.0)), ahead, time[ahead] * self._dt)
+
+    def bodies_at_impact(self, state: State, pair_a: Integers, pair_b: Integers,
+                         meetings: "Meetings") -> tuple[PlacedBodies, Integers]:
+        """The bodies of pairs that will touch within the step, at the poses at which they will, and these pairs.
+
+        pair_a, pair_b: (k,); meetings: as found for them. Returns the bodies (rows 0 and 1 are the first pair, 2 and 3
+        the second, and so on) and the indices (m,) of their pairs.
+        """
+        body = np.stack([pair_a[meetings.ahead], pair_b[meetings.ahead]], axis=1).ravel()
         position, orientation = np.empty((len(body), 3)), np.empty((len(body), 4))
-        advance_poses(body, np.repeat(time[touching] * self._dt, 2), state.position_w, state.orientation_w,
-                      state.velocity_w, state.angular_velocity_w, position, orientation)
+        advance_poses(body, np.repeat(meetings.time, 2), state.position_w, state.orientation_w, state.velocity_w,
+                      state.angular_velocity_w, position, orientation)
         axes = np.empty((len(body), 3, 3))
         set_all_axes(orientation, axes)
-        return PlacedBodies(body, position, orientation, axes, self._half[body]), touching
+        return PlacedBodies(body, position, orientation, axes, self._half[body]), meetings.ahead
 
     def save_poses(self, state: State) -> None:
         """Saves the poses of all bodies, for `stop_at_impacts`."""
@@ -132,13 +148,14 @@ class Impacts:
         motion = position, orientation, velocity, angular_velocity
         time, outcome = self._times_of_impact(pair_a, pair_b, level, *motion, self._half, meshes)
         first = np.ones(len(position))
-        # A pair that touched at the start may go on touching, but the center of a CCD body must stay on its side.
+        # A pair that touched at the start may go on touching, but the center of a CCD body must stay on its side; one
+        # that begins on the surface has no side.
         close = np.flatnonzero((outcome != NO_IMPACT) & (time <= 0.0))
         if len(close):
             extents = np.where(ccd[:, None], 0.0, self._half)
-            _, outcome[close] = self._times_of_impact(pair_a[close], pair_b[close], level[close], *motion, extents,
-                                                      meshes, ccd)
-        hit = outcome != NO_IMPACT
+            time[close], outcome[close] = self._times_of_impact(pair_a[close], pair_b[close], level[close], *motion,
+                                                                extents, meshes, ccd)
+        hit = (outcome != NO_IMPACT) & (time > 0.0)
         for bodies in (pair_a[hit], pair_b[hit]):
             np.minimum.at(first, bodies, time[hit])
         body = np.flatnonzero((first < 1.0) & ccd)
@@ -151,7 +168,7 @@ class Impacts:
                          meshes: Meshes | None, boxes: Booleans | None = None) -> tuple[Floats, Integers]:
         """Times of impact of the pairs (k,) as fractions of the step, and outcomes.
 
-        boxes: (n,) bodies that count as boxes although they have a mesh.
+        boxes: (n,) bodies that count as boxes of these extents although they have a mesh.
         """
         time, outcome = np.empty(len(pair_a)), np.empty(len(pair_a), np.int64)
         roots = meshes.roots if meshes else np.full(len(half), -1)

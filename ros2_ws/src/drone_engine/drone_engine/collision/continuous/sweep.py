@@ -47,13 +47,13 @@ class SweepScratch(NamedTuple):
     boxes: Floats  # (2, 6) of a and b
     stack: Integers  # (STACK_SIZE, 2) pairs of nodes
     safe_until: Floats  # (STACK_SIZE,) s, time until which each of these is known not to touch
-    triangles: Floats  # (2, 3, 3) one of each body
+    triangles: Floats  # (3, 3, 3) one of each body, and one that is a point
 
 
 def scratch() -> SweepScratch:
     """New buffers for `sweep_pairs`; each thread needs its own."""
     return SweepScratch(np.empty(MOTION_SIZE), np.empty(POSES_SIZE), np.empty((2, 6)),
-                        np.empty((STACK_SIZE, 2), np.int64), np.empty(STACK_SIZE), np.empty((2, 3, 3)))
+                        np.empty((STACK_SIZE, 2), np.int64), np.empty(STACK_SIZE), np.empty((3, 3, 3)))
 
 
 @kernel
@@ -95,7 +95,10 @@ def _radius(box):
 @kernel
 def _leaf_time_of_impact(motion, poses, a, b, box_a, box_b, link, corners, start, end, target, level, triangles):
     """The time of impact of two leaves, (t, outcome), as `box_time_of_impact`: of their triangles at level TRIANGLE,
-    else of their boxes. a, b: nodes; -1 is the box of a body without an octree, tested against the other's box."""
+    else of their boxes. a, b: nodes; -1 is the box of a body without an octree, tested against the other's box, or its
+    center, if the box has no extent, tested against the other's triangles."""
+    if level == TRIANGLE and ((a < 0 and b >= 0 and _is_point(box_a)) or (b < 0 and a >= 0 and _is_point(box_b))):
+        return _point_time_of_impact(motion, poses, a, b, box_a, box_b, link, corners, start, end, target, triangles)
     if level != TRIANGLE or a < 0 or b < 0:
         return box_time_of_impact(motion, poses, box_a, box_b, start, end, target, MAX_ITERATIONS)
     start, outcome = box_time_of_impact(motion, poses, box_a, box_b, start, end, target, NODE_ITERATIONS)
@@ -110,6 +113,35 @@ def _leaf_time_of_impact(motion, poses, a, b, box_a, box_b, link, corners, start
                 end, outcome = time, found
                 if end <= start:
                     return end, outcome
+    return end, outcome
+
+
+@kernel
+def _is_point(box):
+    """Whether a box (6,) has no extent."""
+    return box[3] == box[4] == box[5] == 0.0
+
+
+@kernel
+def _point_time_of_impact(motion, poses, a, b, box_a, box_b, link, corners, start, end, target, triangles):
+    """The time of impact of a point, the box of side -1, and the triangles of the other side's leaf: (t, outcome)."""
+    leaf, box = (b, box_a) if a < 0 else (a, box_b)
+    point = triangles[2]
+    for i in range(3):
+        for c in range(3):
+            point[i, c] = box[c]
+    outcome = NO_IMPACT
+    for i in range(link[leaf, 2], link[leaf, 2] + link[leaf, 3]):
+        if a < 0:
+            time, found = triangle_time_of_impact(motion, poses, point, corners[i], start, end, target,
+                                                  MAX_ITERATIONS, triangles)
+        else:
+            time, found = triangle_time_of_impact(motion, poses, corners[i], point, start, end, target,
+                                                  MAX_ITERATIONS, triangles)
+        if found != NO_IMPACT:
+            end, outcome = time, found
+            if end <= start:
+                return end, outcome
     return end, outcome
 
 

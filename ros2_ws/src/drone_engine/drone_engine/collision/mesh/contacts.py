@@ -4,6 +4,7 @@ Contacts are written to `work.found`; each kernel returns their number, includin
 written. position: (n, 3) m; axes: (n, 3, 3), one a row; world frame. meshes: MeshArrays; work: PairScratch.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,28 +12,52 @@ from numpy.typing import NDArray
 
 from drone_engine.arrays import Booleans, Floats, Integers
 from drone_engine.collision.box import obb
-from drone_engine.collision.mesh import features, traversal
+from drone_engine.collision.mesh import traversal
 from drone_engine.collision.mesh.contact_buffer import ContactBuffer, contact_buffer
+from drone_engine.collision.mesh.features import (
+    ANGULAR_VELOCITY,
+    EDGES,
+    MOTION_SIZE,
+    POSITION,
+    ROTATION,
+    VELOCITY,
+    MeshFeatures,
+    PairState,
+    feature_contacts,
+    place,
+    place_corners,
+)
 from drone_engine.collision.mesh.octree import Octree
+from drone_engine.collision.mesh.overlap import OverlapScratch, overlap_scratch
 from drone_engine.collision.mesh.topology import CORNER
 from drone_engine.collision.mesh.transforms import axes_rotation, transform_point
+from drone_engine.collision.triangle.point_distance import squared_distance
 from drone_engine.kernel import kernel
 
-SEARCH_DEPTH = 0.01  # m; contacts are searched this far below a surface, or as far as the margin if that is larger
+SEARCH_DEPTH = 0.01  # m; contacts are searched this far below a surface
 DEEP_SEARCH_DEPTH = 0.1  # m; the same if nothing was found although the surfaces intersect
 SHALLOW_DEPTH = 1e-3  # m; contacts that are less deep are kept without a check for a shorter way out
+OWN_FACE = 0.01  # of that distance: a point this close to a face lies on it
 MAX_PAIRS_WITH_ALL_POINTS = 64  # pairs of leaves; with more, only the deepest point of each pair is kept
 MIN_CLEARANCE = 0.5  # of a contact's depth: least distance of its feature from the other surface (0.7 at a cube's
 # edge); if it is closer, there is a shorter way out
 
 
 class MeshArrays(NamedTuple):
-    """The meshes of n bodies; m triangles."""
+    """The meshes of n bodies."""
 
     tree: Octree  # the forest of all octrees
-    normals: Floats  # (m, 7, 3) as in Topology
-    owned: Integers  # (m,) as in Topology
+    features: MeshFeatures  # of its triangles
     roots: Integers  # (n,) root node of each body, -1 without a mesh
+
+
+class Velocities(NamedTuple):
+    """Velocities of n placed bodies, world frame."""
+
+    linear: Floats  # (n, 3) m/s
+    angular: Floats  # (n, 3) rad/s
+    dt: float  # s: contacts that do not close within this time are left out; 0: none
+    at_impact: bool = False  # whether the bodies have stopped at their impact and may swing round it
 
 
 class PairScratch(NamedTuple):
@@ -42,7 +67,8 @@ class PairScratch(NamedTuple):
     found: ContactBuffer
     unassigned: Booleans  # (k,) scratch of `reduce_contacts`
     spread: Floats  # (k,) scratch of `reduce_contacts`
-    triangles: Floats  # (2, 10, 3) a placed triangle of each body
+    pair: PairState
+    overlap: OverlapScratch
     leaves: obb.Boxes  # of 2 boxes: a leaf of each body
     box: obb.BoxScratch
     traversal: traversal.TraversalScratch
@@ -51,28 +77,57 @@ class PairScratch(NamedTuple):
 def pair_scratch(near: int, contacts: int) -> PairScratch:
     """Buffers for so many pairs of triangles or leaves, and so many contacts."""
     return PairScratch(np.empty((near, 2), np.int32), contact_buffer(contacts), np.empty(contacts, np.bool_),
-                       np.empty(contacts), np.empty((2, 10, 3)),
-                       obb.Boxes(np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3))), obb.scratch(),
-                       traversal.scratch())
+                       np.empty(contacts), PairState(np.empty((2, 10, 3)), np.empty((2, MOTION_SIZE)), np.empty(4)),
+                       overlap_scratch(), obb.Boxes(np.empty((2, 3)), np.empty((2, 3, 3)), np.empty((2, 3))),
+                       obb.scratch(), traversal.scratch())
 
 
 @kernel
-def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, work):
-    """Writes all contacts of the first near_count pairs of triangles of work.near, of bodies a and b, at most `margin`
-    m apart and `inside` m deep. Contacts with a shorter way out elsewhere are left out."""
-    near, placed, out = work.near, work.triangles, work.found
-    corners, normals, owned = meshes.tree.corners, meshes.normals, meshes.owned
+def set_pair(placed, velocities, a, b, margin, inside, meshes, pair):
+    """Writes the motion of bodies a and b, and the limits of their contacts, to a PairState.
+
+    placed: PlacedBodies; velocities: Velocities. margin, inside: m, how far apart and how deep contacts may be. meshes:
+    MeshArrays.
+    """
+    motion = pair.motion
+    for side in range(2):
+        i = a if side == 0 else b
+        r = axes_rotation(placed.axes, i)
+        for c in range(9):
+            motion[side, ROTATION + c] = r[c]
+        for c in range(3):
+            motion[side, POSITION + c] = placed.position[i, c]
+            motion[side, VELOCITY + c] = 0.0 if velocities.at_impact else velocities.linear[i, c]
+            motion[side, ANGULAR_VELOCITY + c] = velocities.angular[i, c]
+    pair.limits[0], pair.limits[1], pair.limits[2] = margin, inside, velocities.dt
+    pair.limits[3] = 0.0
+    if velocities.at_impact:
+        pair.limits[3] = min(margin / min(mesh_radius(a, meshes), mesh_radius(b, meshes)), 1.0)
+
+
+@kernel
+def mesh_radius(body, meshes):
+    """Upper bound of the distance of a mesh's points from its body's position, m; meshes: MeshArrays."""
+    box = meshes.tree.box[meshes.roots[body]]
+    return math.sqrt((abs(box[0]) + box[3]) ** 2 + (abs(box[1]) + box[4]) ** 2 + (abs(box[2]) + box[5]) ** 2)
+
+
+@kernel
+def triangle_contacts(position, axes, a, b, near_count, meshes, work):
+    """Writes all contacts of the first near_count pairs of triangles of work.near, of bodies a and b, within the limits
+    of work.pair. Contacts with a shorter way out elsewhere are left out."""
+    near, placed, out = work.near, work.pair.placed, work.found
+    corners, features = meshes.tree.corners, meshes.features
     normal, point, separation, feature = out.normal, out.point, out.separation, out.feature
     ra, rb = axes_rotation(axes, a), axes_rotation(axes, b)
     found, last = 0, np.int64(-1)
     for k in range(near_count):
         i, j = np.int64(near[k, 0]), np.int64(near[k, 1])  # for the 64 bits of a feature
         if i != last:
-            features.place(corners[i], normals[i], ra, position[a, 0], position[a, 1], position[a, 2], placed[0])
+            place(corners[i], features.normals[i], ra, position[a, 0], position[a, 1], position[a, 2], placed[0])
             last = i
-        features.place(corners[j], normals[j], rb, position[b, 0], position[b, 1], position[b, 2], placed[1])
-        found = features.feature_contacts(placed[0], owned[i], i, placed[1], owned[j], j, margin, inside, out,
-                                          found)
+        place(corners[j], features.normals[j], rb, position[b, 0], position[b, 1], position[b, 2], placed[1])
+        found = feature_contacts(i, j, features, work.pair, out, found)
     if found > separation.shape[0]:
         return found
     kept = 0
@@ -92,9 +147,9 @@ def triangle_contacts(position, axes, a, b, near_count, meshes, margin, inside, 
 @kernel
 def _has_shorter_way_out(position, axes, a, b, near, near_count, corners, placed, point, feature, depth):
     """Whether the surface of the other body is closer than `depth` m to the corner or one of the edges of a contact;
-    point: (2, 3), feature: its identifier."""
+    point: (2, 3), feature: its identifier. Of an edge's own faces one is closer than the edge, but no way out."""
     for side in range(2):
-        if feature % 4 != features.EDGES and side != feature % 4:
+        if feature % 4 < EDGES and side != feature % 4:
             continue
         body = b if side == 0 else a
         r = axes_rotation(axes, body)
@@ -104,8 +159,10 @@ def _has_shorter_way_out(position, axes, a, b, near, near_count, corners, placed
             if i == last:
                 continue
             last = i
-            features.place_corners(corners[i], r, position[body, 0], position[body, 1], position[body, 2], placed[0])
-            if features.squared_distance(point[side, 0], point[side, 1], point[side, 2], placed[0]) < depth * depth:
+            place_corners(corners[i], r, position[body, 0], position[body, 1], position[body, 2], placed[0])
+            if squared_distance(point[side, 0], point[side, 1], point[side, 2], placed[0]) < depth * depth and (
+                    feature % 4 != EDGES or squared_distance(point[1 - side, 0], point[1 - side, 1], point[1 - side, 2],
+                                                             placed[0]) > (OWN_FACE * depth) ** 2):
                 return True
     return False
 
@@ -155,7 +212,7 @@ def leaf_contacts(position, axes, a, b, near_count, meshes, margin, work, manifo
 def plane_contacts(position, axes, i, height, meshes, margin, work):
     """Writes the contacts of the corners of body i with the half-space below a height, m, at most `margin` m above it;
     normals point up."""
-    corners, owned, root = meshes.tree.corners, meshes.owned, meshes.roots[i]
+    corners, owned, root = meshes.tree.corners, meshes.features.owned, meshes.roots[i]
     first, count = meshes.tree.link[root, 2], meshes.tree.link[root, 3]
     normal, point = work.found.normal, work.found.point
     separation, feature = work.found.separation, work.found.feature
