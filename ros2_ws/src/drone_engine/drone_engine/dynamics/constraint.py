@@ -34,6 +34,7 @@ from drone_engine.dynamics.contact_table import (
     NORMAL_MASS,
     RESIDUAL,
     SEPARATION,
+    SLIDING_MASS,
     SOFT,
     TANGENT_1,
     TANGENT_2,
@@ -217,7 +218,8 @@ def solve_constraint(t, v, k, softness):
     bx, by, bz = cross(wbx, wby, wbz, cx, cy, cz)
     dx, dy, dz = dx - ax + bx, dy - ay + by, dz - az + bz
 
-    # Friction within Coulomb's cone, and the twist
+    # Friction that stops the sliding; where that exceeds Coulomb's limit, one of that size. A step along the sliding
+    # velocity, by a mass that is a number, ends where friction opposes it; one by the mass matrix does not.
     limit = t[FRICTION + k] * (n0 + n1 + n2 + n3)
     tx, ty, tz = vector(t, TANGENT_1, k)
     u1 = dx * tx + dy * ty + dz * tz
@@ -226,10 +228,11 @@ def solve_constraint(t, v, k, softness):
     f1, f2, twist = t[TANGENT_IMPULSE_1 + k], t[TANGENT_IMPULSE_2 + k], t[TWIST_IMPULSE + k]
     new_1 = f1 - (t[TANGENT_MASS_11 + k] * u1 + t[TANGENT_MASS_12 + k] * u2)
     new_2 = f2 - (t[TANGENT_MASS_12 + k] * u1 + t[TANGENT_MASS_22 + k] * u2)
-    square = new_1 * new_1 + new_2 * new_2
-    scale = limit / math.sqrt(square)
-    scale = scale if square > limit * limit else 1.0
-    new_1, new_2 = new_1 * scale, new_2 * scale
+    slides = new_1 * new_1 + new_2 * new_2 > limit * limit
+    mass = t[SLIDING_MASS + k]
+    slide_1, slide_2 = f1 - mass * u1, f2 - mass * u2
+    scale = min(limit / math.sqrt(slide_1 * slide_1 + slide_2 * slide_2), 1.0)
+    new_1, new_2 = scale * slide_1 if slides else new_1, scale * slide_2 if slides else new_2
     limit = limit * t[TWIST_RADIUS + k]
     new_twist = twist - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
     new_twist = min(max(new_twist, -limit), limit)

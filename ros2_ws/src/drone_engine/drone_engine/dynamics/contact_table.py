@@ -32,9 +32,10 @@ L2, L3, L4, L5, L6 = 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES, 6 * LANES
 # Derived from it once a step: effective mass of each point along the normal, 0 for a point that does not exist; Kij,
 # the change of the normal velocity at point j per impulse at point i; center of pressure from the centers of a and b;
 # mean distance of the pressure from it, the lever arm of twist friction; inverse of the 2 x 2 mass matrix of the
-# tangents; effective mass of the twist.
+# tangents, and of its greatest eigenvalue; effective mass of the twist.
 (NORMAL_MASS, K01, K02, K03, K12, K13, K23, CENTER_A, CENTER_B, TWIST_RADIUS, TANGENT_MASS_11, TANGENT_MASS_12,
- TANGENT_MASS_22, TWIST_MASS) = (LANES * row for row in (53, 57, 58, 59, 60, 61, 62, 63, 66, 69, 70, 71, 72, 73))
+ TANGENT_MASS_22, SLIDING_MASS, TWIST_MASS) = (
+    LANES * row for row in (53, 57, 58, 59, 60, 61, 62, 63, 66, 69, 70, 71, 72, 114, 73))
 # Changed by the solver: per point the separation now, the normal impulse of the sub-step and that of the step, and the
 # velocity that restitution gives it (see restitution.py); impulses along the tangents and about the normal.
 SEPARATION, NORMAL_IMPULSE, TOTAL_IMPULSE, RESTITUTION_VELOCITY, TANGENT_IMPULSE_1, TANGENT_IMPULSE_2, TWIST_IMPULSE = (
@@ -45,7 +46,7 @@ SOFT, PREVIOUS, DIRECTION = (LANES * row for row in (94, 95, 102))
 # Change of the normal velocity at each point per uniform impulse, one that is equal at all points; effective mass of a
 # uniform impulse, over the sum of the points' velocities.
 UNIFORM_RESPONSE, UNIFORM_MASS = (LANES * row for row in (109, 113))
-FIELDS = 114
+FIELDS = 115
 
 # The motion of a group's bodies, gathered from their rows into lanes: velocity and angular velocity of a and of b, then
 # their displacement since detection; and by how much the changes of a rigid constraint's impulses exceed the tolerance.

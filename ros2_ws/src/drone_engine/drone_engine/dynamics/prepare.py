@@ -29,6 +29,7 @@ from drone_engine.dynamics.contact_table import (
     RESTITUTION,
     RESTITUTION_VELOCITY,
     SEPARATION,
+    SLIDING_MASS,
     SOFT,
     TANGENT_1,
     TANGENT_2,
@@ -234,7 +235,8 @@ def _anchor_distance(t, k, p, x, y, z):
 
 @inlined
 def _prepare_friction(t, k):
-    """Inverse mass matrix of the tangents at the center of pressure, and effective mass of the twist."""
+    """Inverse mass matrix of the tangents at the center of pressure, inverse of the mass matrix's greatest eigenvalue,
+    and effective mass of the twist."""
     inv_mass = t[INV_MASS_A + k] + t[INV_MASS_B + k]
     x, y, z = vector(t, NORMAL, k)
     ux, uy, uz = vector(t, TANGENT_1, k)
@@ -250,6 +252,8 @@ def _prepare_friction(t, k):
     det = k11 * k22 - k12 * k12
     scale = 1.0 / det if det > 0.0 else 0.0
     t[TANGENT_MASS_11 + k], t[TANGENT_MASS_12 + k], t[TANGENT_MASS_22 + k] = k22 * scale, -k12 * scale, k11 * scale
+    greatest = 0.5 * (k11 + k22) + math.sqrt(0.25 * (k11 - k22) * (k11 - k22) + k12 * k12)
+    t[SLIDING_MASS + k] = 1.0 / greatest if greatest > 0.0 else 0.0
     ax, ay, az = inverse_inertia_times(t, INV_INERTIA_A, k, x, y, z)
     bx, by, bz = inverse_inertia_times(t, INV_INERTIA_B, k, x, y, z)
     response = x * (ax + bx) + y * (ay + by) + z * (az + bz)

@@ -63,6 +63,20 @@ def test_friction_stops_a_slide_after_the_distance_of_coulomb(world: Make, frict
     assert slide.pose("crate")[0] - before == pytest.approx(2.0**2 / (2 * friction * G), rel=0.05)
 
 
+@pytest.mark.parametrize(("rate", "substeps"), [(30, 8), (240, 1)])
+@pytest.mark.parametrize("heading", [0.4, 0.785, 1.9])
+def test_friction_opposes_the_sliding_of_an_oblong_body(world: Make, rate: int, substeps: int, heading: float) -> None:
+    slide = world(FLOOR.replace("static", "friction: 0.2, static") + "wall: {model: wall, mass: 5, friction: 0.2}",
+                  f"rates: {{physics: {rate}}}\neffects: {{gravity: {{}}}}\ndynamics: {{substeps: {substeps}}}")
+    slide.step()
+    before, along = slide.pose("wall")[:2], np.array([np.cos(heading), np.sin(heading)])
+    slide.state.velocity_w[1, :2] = 3.0 * along
+    run(slide, 2.0)
+    way, expected = slide.pose("wall")[:2] - before, 3.0**2 / (2 * 0.2 * G)
+    assert way @ along == pytest.approx(expected, rel=0.01)
+    assert abs(along[0] * way[1] - along[1] * way[0]) < 0.01 * expected
+
+
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_a_bounce_returns_the_speed_of_restitution(world: Make, restitution: float) -> None:
     drop = world(FLOOR.replace("static", "restitution: 0, static")
