@@ -1,4 +1,4 @@
-"""Closed meshes for tests, as vertices (v, 3) in m and faces (f, 3) of vertex indices."""
+"""Meshes for tests, as vertices (v, 3) in m and faces (f, 3) of vertex indices."""
 
 from pathlib import Path
 
@@ -42,3 +42,13 @@ def write_box(path: Path, size: tuple[float, float, float], center_z: float) -> 
     lines = [f"v {a!r} {b!r} {c!r}" for a, b, c in corners]
     lines += [f"f {a} {b} {c}\nf {a} {c} {d}" for a, b, c, d in quads]
     path.write_text("\n".join(lines) + "\n")
+
+
+def flat_sheet(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """A flat sheet of n x n squares of 1 m, facing up, from the origin on."""
+    vertices = np.array([(i, j, 0.0) for i in range(n + 1) for j in range(n + 1)])
+    faces = []
+    for a in (i * (n + 1) + j for i in range(n) for j in range(n)):
+        b, c, d = a + n + 1, a + n + 2, a + 1
+        faces += [(a, b, c), (a, c, d)]
+    return vertices, np.array(faces)

@@ -93,15 +93,15 @@ def broad_phase(awake, binned, solid, position, orientation, velocity, angular_v
 
 
 @kernel
-def primitive_contacts(counts, position, body_bounds, grid_tables, pairs, box_scratch, contacts):
+def primitive_contacts(counts, position, velocity, body_bounds, grid_tables, pairs, box_scratch, contacts):
     """Writes the manifolds of spheres, boxes and planes. Returns MORE_MANIFOLDS if there is no room, else 0."""
     count, c = counts.pairs[0], contacts
     a, b = grid_tables.ordered[0], grid_tables.ordered[1]
     boxes = Boxes(position, body_bounds.axes, body_bounds.half)
     if count > c.points.shape[0]:
         return MORE_MANIFOLDS
-    found = find_box_contacts(count, boxes, a, b, pairs.floor_height, pairs.level, pairs.all_contacts, pairs.margin,
-                              box_scratch, c, 0)
+    found = find_box_contacts(count, boxes, velocity, a, b, pairs.floor_height, pairs.level, pairs.all_contacts,
+                              pairs.margin, box_scratch, c, 0)
     c.end[BOXES] = found
     found = find_sphere_and_plane_contacts(count, boxes, a, b, pairs.floor_height, pairs.level, pairs.all_contacts,
                                            pairs.margin, c, found)
@@ -364,8 +364,9 @@ class Detection:
         m = self.manifolds.reserve(len(pairs[0]))
         boxes, arrays = Boxes(placed.position, placed.axes, placed.half), m.arrays
         a, b, height, level, all_contacts, margin = (np.ascontiguousarray(array) for array in pairs)
-        m.count = find_box_contacts(len(a), boxes, a, b, height, level, all_contacts, margin, self.box_scratch, arrays,
-                                    m.count)
+        velocity = self._state.velocity_w[placed.body]
+        m.count = find_box_contacts(len(a), boxes, velocity, a, b, height, level, all_contacts, margin,
+                                    self.box_scratch, arrays, m.count)
         m.count = find_sphere_and_plane_contacts(len(a), boxes, a, b, height, level, all_contacts, margin, arrays,
                                                  m.count)
 

@@ -9,7 +9,18 @@ import numpy as np
 from drone_engine.collision.box import plane, sphere
 from drone_engine.collision.box.clipping import write_edge_manifolds, write_face_manifolds
 from drone_engine.collision.box.obb import load_ordered
-from drone_engine.collision.box.sat import BLOCK, MARGIN, WIDEST, find_contact_axes
+from drone_engine.collision.box.sat import (
+    AXIS,
+    BLOCK,
+    GAP,
+    MARGIN,
+    SPEED_TIE,
+    STEP_HEIGHT,
+    SWAPPED,
+    WIDEST,
+    find_contact_axes,
+    flush_axis,
+)
 from drone_engine.collision_level import OBB, SPHERE
 from drone_engine.kernel import kernel
 
@@ -41,10 +52,13 @@ def move_manifold(i, j, contacts):
 
 
 @kernel
-def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_contacts, margin, scratch, contacts,
-                      found):
+def find_box_contacts(count, boxes, velocity, pair_a, pair_b, floor_height, level, all_contacts, margin, scratch,
+                      contacts, found):
     """Appends the manifolds of those of the first `count` pairs that are two boxes at level OBB after the first `found`
-    rows; returns how many rows there are then. boxes: Boxes; scratch: BoxScratch. Handles BLOCK pairs at a time."""
+    rows; returns how many rows there are then.
+
+    boxes: Boxes; velocity: (n, 3) m/s, world; scratch: BoxScratch. Handles BLOCK pairs at a time.
+    """
     table, cut, box_a, box_b, row = scratch.table, scratch.cut, scratch.box_a, scratch.box_b, scratch.row
     pair, points, normal, point = contacts.pair, contacts.points, contacts.normal, contacts.point
     separation, feature, contact_level = contacts.separation, contacts.feature, contacts.level
@@ -62,6 +76,8 @@ def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_con
         for m in range(size):
             table[MARGIN + m] = margin[row[m]]
             near = table[WIDEST + m] <= table[MARGIN + m]
+            if near and table[WIDEST + m] > -STEP_HEIGHT:
+                _prefer_flush_axis(table, m, velocity, box_a[m], box_b[m])
             pair[found, 0], pair[found, 1], contact_level[found] = box_a[m], box_b[m], OBB
             box_a[m] = row[m]  # from here on the pair
             row[m] = found if near else -1
@@ -80,6 +96,19 @@ def find_box_contacts(count, boxes, pair_a, pair_b, floor_height, level, all_con
                 move_manifold(i, found, contacts)
             found += 1
     return found
+
+
+@kernel
+def _prefer_flush_axis(table, k, velocity, a, b):
+    """Makes the axis along which the boxes of column k lie flush their contact axis, if they move past each other."""
+    sign = -1.0 if table[SWAPPED + k] > 0.0 else 1.0
+    x, y, z = (sign * (velocity[b, 0] - velocity[a, 0]), sign * (velocity[b, 1] - velocity[a, 1]),
+               sign * (velocity[b, 2] - velocity[a, 2]))
+    if x * x + y * y + z * z > SPEED_TIE * SPEED_TIE:
+        axis = flush_axis(table, k, x, y, z)
+        if axis >= 0:
+            # The gap is that beside the common area, if there is any: none is no contact.
+            table[AXIS + k], table[GAP + k] = axis, max(table[WIDEST + k], STEP_HEIGHT)
 
 
 @kernel

@@ -24,6 +24,8 @@ TOLERANCE = 2.0**-18
 TINY = 1e-290  # below this, rounding errors are not relative any more, and the answer is left undecided
 FACE_PREFERENCE = 0.02  # of the smallest half extent: how much better an edge axis must be than a face axis
 PARALLEL = 1e-6  # squared sine below which two edges have no axis of their own
+STEP_HEIGHT = 5e-4  # m: what overlaps by less than this is no obstacle but lies flush
+SPEED_TIE = 0.05  # m/s, by which one face has to approach faster than another to be the obstacle
 TIE = 1e-6  # of the square of a gap: edge axes within this are equally good
 FAR = 1e300  # m2
 APART, UNDECIDED, TOUCHING = range(3)  # verdicts
@@ -174,3 +176,32 @@ def _signed_square(gap, cosine):
     """
     square = 1.0 - cosine * cosine
     return gap * abs(gap) / square if square >= PARALLEL else -FAR
+
+
+@inlined
+def _speed_along(table, k, axis, vx, vy, vz):
+    """The speed along a face axis, m/s, at which the boxes of column k move; the greatest possible for an edge axis."""
+    if axis >= 6:
+        return math.sqrt(vx * vx + vy * vy + vz * vz)
+    row = 9 + 3 * axis
+    return abs(vx * table[row * BLOCK + k] + vy * table[(row + 1) * BLOCK + k] + vz * table[(row + 2) * BLOCK + k])
+
+
+@kernel
+def flush_axis(table, k, vx, vy, vz):
+    """The face axis 0 to 5 along which the boxes of column k lie flush, -1 if there is none that matters.
+
+    What overlaps by less than STEP_HEIGHT along a face is no obstacle for what moves along that face: such a face is
+    the contact axis although another axis has a wider gap, as at the joint of two tiles. If the boxes touch along the
+    other axis as well, the one along which they approach faster is the side of the step. v: velocity of the second box
+    relative to the first, m/s.
+    """
+    gap = gaps_of_column(table, k)
+    best, slowest = -1, _speed_along(table, k, int(table[AXIS + k]), vx, vy, vz) - SPEED_TIE
+    for i in range(6):
+        if abs(gap[i]) > STEP_HEIGHT or i == int(table[AXIS + k]):
+            continue
+        speed = _speed_along(table, k, i, vx, vy, vz)
+        if speed < slowest:
+            best, slowest = i, speed
+    return best

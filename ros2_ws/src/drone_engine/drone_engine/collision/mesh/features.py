@@ -16,6 +16,7 @@ import math
 from typing import NamedTuple
 
 from drone_engine.arrays import Floats, Int32s, Integers
+from drone_engine.collision.box.sat import SPEED_TIE, STEP_HEIGHT
 from drone_engine.collision.margin import MARGIN
 from drone_engine.collision.mesh.topology import EDGE, OPEN, POINTED
 from drone_engine.collision.mesh.transforms import transform_point
@@ -24,10 +25,8 @@ from drone_engine.kernel import kernel
 MIN_EDGES_SIN2 = 1e-6  # squared sine between two edges below which their cross product is no contact normal
 CONE_TOLERANCE = 0.2  # sine by which a normal may leave a corner's cone: bodies that land flat may rock by this
 WEDGE_TOLERANCE = 0.1  # the same for the wedge of an edge's faces
-STEP_HEIGHT = 5e-4  # m: what overlaps by less than this is no obstacle but lies flush
 SAME_FACE = 0.9  # cosine between two normals above which faces do not stand against each other
 SAME_NORMAL = 0.999  # the same for a face and the vector between two points
-SPEED_TIE = 0.05  # m/s, by which one face has to approach faster than another to be the obstacle
 MIN_DISTANCE = 1e-9  # m, below which the vector between two points has no direction
 CORNER_OF_A, CORNER_OF_B, EDGES, CLOSEST = range(4)  # kind of a contact, in the last two bits of its identifier
 ROTATION, POSITION, VELOCITY, ANGULAR_VELOCITY, MOTION_SIZE = 0, 9, 12, 15, 18  # offsets in a row of PairState.motion
