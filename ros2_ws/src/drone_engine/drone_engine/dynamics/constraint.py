@@ -62,6 +62,7 @@ from drone_engine.dynamics.contact_table import (
 from drone_engine.kernel import inlined
 
 MAX_PUSH_VELOCITY = 0.8  # m/s, the fastest at which penetrating bodies are pushed apart
+TINY = 1e-300  # N s, so that no impulse is divided by 0
 TOLERANCE = 1e-5  # m/s: a rigid constraint has converged when no impulse changes a velocity by more
 
 
@@ -231,7 +232,7 @@ def solve_constraint(t, v, k, softness):
     slides = new_1 * new_1 + new_2 * new_2 > limit * limit
     mass = t[SLIDING_MASS + k]
     slide_1, slide_2 = f1 - mass * u1, f2 - mass * u2
-    scale = min(limit / math.sqrt(slide_1 * slide_1 + slide_2 * slide_2), 1.0)
+    scale = min(limit / (math.sqrt(slide_1 * slide_1 + slide_2 * slide_2) + TINY), 1.0)
     new_1, new_2 = scale * slide_1 if slides else new_1, scale * slide_2 if slides else new_2
     limit = limit * t[TWIST_RADIUS + k]
     new_twist = twist - t[TWIST_MASS + k] * (x * (wbx - wax) + y * (wby - way) + z * (wbz - waz))
